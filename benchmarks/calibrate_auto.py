@@ -89,7 +89,10 @@ def exceeded_by_few(errors: Array) -> float:
 def chances(raw: dict[str, Array]) -> dict[str, Any]:
     """Shares of what the rigid block does where it is tried, by kind of motion and by amplitude/rate."""
     kinds = {}
-    speed, tried = raw["amplitude"] / raw["rate"], (raw["inside"] > 0.0) & (raw["amplitude"] * (1.0 + auto.NUDGE) > 1.0)
+    speed, tried = (
+        raw["amplitude"] / raw["rate"],
+        (raw["inside"] > 0.0) & (raw["amplitude"] * (1.0 + auto.PERTURBATION) > 1.0),
+    )
     for kind, flag in (("pulse", 0.0), ("record", 1.0)):
         values = []
         for low, high in pairwise(SPEEDS):

@@ -18,8 +18,8 @@ from rockcli.scene.auto import (
     COLUMN,
     FREE_OVER_CLAMPED,
     NONE,
-    NUDGE,
     PAYS,
+    PERTURBATION,
     RIGID,
     RIGID_CLASSES,
     STILL,
@@ -204,8 +204,9 @@ def try_rigid(batch: Batch) -> tuple[Array, Array]:
     thrice = rigid.rows(np.tile(np.arange(n), 3))
     channel = thrice.excitation.horizontal
     assert channel is not None
-    nudged = scaled(channel, np.repeat([1.0, 1.0 + NUDGE, 1.0 - NUDGE], n))
-    peak, more, less = peak_of(replace(thrice, excitation=replace(thrice.excitation, horizontal=nudged))).reshape(3, n)
+    perturbed = scaled(channel, np.repeat([1.0, 1.0 + PERTURBATION, 1.0 - PERTURBATION], n))
+    peaks = peak_of(replace(thrice, excitation=replace(thrice.excitation, horizontal=perturbed)))
+    peak, more, less = peaks.reshape(3, n)
     stiff = replace(rigid, model="3", geometry="corotational")
     return peak, np.stack([more, less, peak_of(stiff)])
 

@@ -86,7 +86,7 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
         raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
     if asked is not None and not asked:
         return (), ()
-    from rockcli.plotting.lean import import_lean
+    from rockcli.plotting.import_matplotlib import import_lean
 
     import_lean()
     from rockcli.plotting.figures import default_kinds
@@ -178,7 +178,7 @@ def draw_as_told(
     Raises:
         StudyError: a file cannot be read, or cannot be drawn so.
     """
-    from rockcli.plotting.lean import import_lean
+    from rockcli.plotting.import_matplotlib import import_lean
 
     import_lean()
     if out is not None:

@@ -23,7 +23,7 @@ def check_plots(study: Study) -> None:
     doubtful = [(kind, look) for kind, look in study.plots or () if look.select or not _surely(kind, study)]
     if not doubtful:  # spares the libraries of figures
         return
-    from rockcli.plotting.lean import import_lean
+    from rockcli.plotting.import_matplotlib import import_lean
 
     import_lean()
     from rockcli.plotting.common.selection import selected

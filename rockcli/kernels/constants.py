@@ -16,7 +16,7 @@ FAST = 1e-6
 STANDSTILL = 1e-13
 """Impacts slower than this fraction of p alpha end in rest whatever eta is."""
 
-NUDGE = 1e-12
+PUSH = 1e-12
 """A body that is lifted and dropped again and again at one instant rests for this part of what is left of the piece,
 ten times as long each time that this comes to nothing."""
 

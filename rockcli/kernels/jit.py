@@ -69,9 +69,6 @@ def jit(function: F, *, inlined: bool = False) -> F:
     return cast(F, compiled)
 
 
-jit_lean = jit
-
-
 def jit_part(function: F) -> F:
     """`jit` for a part of a loop, compiled into it: a call with so many arguments would take as long as its work."""
     return jit(function, inlined=True)

@@ -12,8 +12,8 @@ import numpy as np
 
 from rockcli.errors import StudyError
 from rockcli.plotting.common import style
+from rockcli.plotting.common.apply_look import apply_look
 from rockcli.plotting.common.cases import axes_of, is_numeric
-from rockcli.plotting.common.dress import dress
 from rockcli.plotting.common.selection import selected
 from rockcli.plotting.common.suite import end_to_end, suite_of
 from rockcli.plotting.kinds import (
@@ -224,7 +224,7 @@ def figure(kind: str, dataset: xarray.Dataset, look: Look | None = None) -> Figu
         raise StudyError(f"plot {kind!r}: {complaint}")
     with style.wanted(look, words):
         drawn = KINDS[kind].draw(part)
-        dress(drawn, look, kind)
+        apply_look(drawn, look, kind)
         return drawn
 
 

@@ -43,7 +43,7 @@ AT_REST = "auto: none: the rigid block, the highest model of this body, stays at
 FREE_OVER_CLAMPED = 4.385
 """First bending frequency of a rocking (pinned) column over that of a clamped one."""
 
-NUDGE = 0.05
+PERTURBATION = 0.05
 """Relative change of the motion by which the rigid block is tried."""
 
 RIGID_CLASSES: tuple[str, ...] = (
@@ -305,7 +305,7 @@ def prospect(batch: Batch, groups: Groups) -> str:
 
 def still(groups: Groups) -> NDArray[np.bool_]:
     """Which bodies 5 % more motion does not lift, (n,)."""
-    return np.asarray(groups.amplitude * (1.0 + NUDGE) <= 1.0)
+    return np.asarray(groups.amplitude * (1.0 + PERTURBATION) <= 1.0)
 
 
 def _name(candidate: int) -> str:

@@ -15,8 +15,8 @@ class Accuracy:
         ode_rtol: of the general ODE methods.
         penalty_step: time step of the backends on a yielding base, over that of `standard`.
         wave_step: the same of the deformable bodies: the flexible column and the full mesh.
-        nudge: change of the motion, relative, that tells whether the outcome of a flexible column under a pulse is
-            certain.
+        perturbation: change of the motion, relative, that tells whether the outcome of a flexible column under a pulse
+            is certain.
         tighter: the level an audit solves again at; "" = there is none.
     """
 
@@ -25,14 +25,18 @@ class Accuracy:
     ode_rtol: float
     penalty_step: float
     wave_step: float
-    nudge: float
+    perturbation: float
     tighter: str = ""
 
 
 ACCURACIES: dict[str, Accuracy] = {
-    "draft": Accuracy(1e-8, 1e-6, ode_rtol=1e-3, penalty_step=4.0, wave_step=2.0, nudge=1e-6, tighter="standard"),
-    "standard": Accuracy(1e-12, 1e-6, ode_rtol=1e-8, penalty_step=1.0, wave_step=1.0, nudge=1e-7, tighter="reference"),
-    "reference": Accuracy(1e-16, 1e-7, ode_rtol=1e-12, penalty_step=0.25, wave_step=0.5, nudge=1e-8),
+    "draft": Accuracy(
+        1e-8, 1e-6, ode_rtol=1e-3, penalty_step=4.0, wave_step=2.0, perturbation=1e-6, tighter="standard"
+    ),
+    "standard": Accuracy(
+        1e-12, 1e-6, ode_rtol=1e-8, penalty_step=1.0, wave_step=1.0, perturbation=1e-7, tighter="reference"
+    ),
+    "reference": Accuracy(1e-16, 1e-7, ode_rtol=1e-12, penalty_step=0.25, wave_step=0.5, perturbation=1e-8),
 }
 """From coarse to fine."""
 

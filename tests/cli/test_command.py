@@ -258,7 +258,9 @@ def test_verify_agrees(rock: Rock, capsys: pytest.CaptureFixture[str]) -> None:
     assert all(row["passed"] and row["tolerance"] <= 1e-6 for row in rows)
 
 
-def test_verify_has_teeth(rock: Rock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_verify_fails_for_a_spoilt_program(
+    rock: Rock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr("rockcli.engine.verify.P", 1.0001 * 1.2130543681465)
     assert rock("verify") == 1
     assert "FAIL" in capsys.readouterr().out

@@ -16,7 +16,7 @@ from rockcli.scene.body.block import make_block
 from rockcli.scene.laws.damping import housner_eta
 from rockcli.scene.response import NO_UPLIFT, ROCKING, overturned
 from rockcli.scene.variables import SCALARS
-from rockcli.solvers.common.certainty import CERTAINTY, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, perturbed
 from rockcli.solvers.event.solver import solve
 
 lanes_only = _lanes_only
@@ -38,7 +38,7 @@ def everything(batch: Batch) -> Iterator[dict]:
     assert same.mean() > 0.95
     every, changes = np.arange(batch.size), dict.fromkeys(FORCES, 0.0)
     for factor in (1.0 - 1e-12, 1.0 + 1e-12):
-        other = reference(nudged(batch, every, np.full(batch.size, factor)))
+        other = reference(perturbed(batch, every, np.full(batch.size, factor)))
         for name in FORCES:
             with np.errstate(invalid="ignore"):
                 changes[name] = np.fmax(changes[name], np.abs(other[name] - exact[name]))

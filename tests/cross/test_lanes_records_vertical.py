@@ -16,7 +16,7 @@ from rockcli.scene.batch import Batch, Save
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.laws.models import MODELS
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT, ROCKING
-from rockcli.solvers.common.certainty import nudged
+from rockcli.solvers.common.certainty import perturbed
 from rockcli.solvers.event import solver as event
 from rockcli.solvers.event.solver import solve
 
@@ -264,7 +264,7 @@ def test_random_cases(seed):
             for factor in (1.0 - 1e-10, 1.0 + 1e-10):
                 rows = np.flatnonzero(wrong)
                 if len(rows):
-                    other = reference(nudged(batch, rows, np.full(len(rows), factor)))
+                    other = reference(perturbed(batch, rows, np.full(len(rows), factor)))
                     wrong[rows] = other["outcome"] == exact["outcome"][rows]
             assert not wrong.any()
             errors.append(error)

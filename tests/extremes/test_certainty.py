@@ -17,7 +17,7 @@ from rockcli.motion.reading import read_record
 from rockcli.scene.body.block import make_block
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import OVERTURNED_AFTER_IMPACT, OVERTURNED_WITHOUT_IMPACT, ROCKING, UNRESOLVED
-from rockcli.solvers.common.certainty import MEMBERS, Judgement, Nudge, Traces, compare_steps, judge
+from rockcli.solvers.common.certainty import MEMBERS, Judgement, Perturbation, Traces, compare_steps, judge
 from rockcli.solvers.event.solver import solve
 from rockcli.solvers.general.solver import solve as solve_generally
 
@@ -100,7 +100,7 @@ def test_what_a_coarse_run_leaves_in_doubt_a_finer_one_decides(side):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_motion_within_the_nudge_of_the_threshold_is_decided(side):
+def test_a_motion_within_the_perturbation_of_the_threshold_is_decided(side):
     """Runs a billionth apart part at 1e-10 of the amplitude that just overturns; more accurate ones do not."""
 
     def under(a_p, **how):
@@ -209,7 +209,7 @@ class TestJudgement:
         def refine(rows):
             return runs(rows, np.ones(len(rows)))
 
-        return judge(refine([0]), runs, Nudge(1e-3, 0.1), refine, finer, 1e-3)
+        return judge(refine([0]), runs, Perturbation(1e-3, 0.1), refine, finer, 1e-3)
 
     def test_far_from_the_threshold(self):
         for threshold, share in ((1.1, 0.0), (0.9, 1.0)):
@@ -225,7 +225,7 @@ class TestJudgement:
         assert f"{found.share[0]:.0%} of 21 runs" in found.said[0]
 
     def test_a_more_accurate_run_decides(self):
-        found = self.judged(1.0 - 0.5e-3, finer=Nudge(1e-6, 0.1))
+        found = self.judged(1.0 - 0.5e-3, finer=Perturbation(1e-6, 0.1))
         assert (found.share[0], found.said) == (1.0, [""])
 
     def test_only_what_is_between_is_withdrawn(self):

@@ -40,7 +40,7 @@ from rockcli.kernels.contact.readings import (
 )
 from rockcli.kernels.contact.selection import on_base, on_edge, stiffness
 from rockcli.kernels.contact.state import Air, Foot, edge_beyond, edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.series import slope, value
 
 DOWN = 1e-9
@@ -50,7 +50,7 @@ FROM_GROUND = 3
 """Leading coefficients of the gap of an edge that leaves the ground: gap, velocity and acceleration are zero."""
 
 
-@jit_lean
+@jit
 def chosen(par, pick, foot, a_g, weight, out):
     """The mode by complementarity with the ground's motion just after an event: (mode, foot, gain in a jam)."""
     change = 0.0
@@ -75,7 +75,7 @@ def chosen(par, pick, foot, a_g, weight, out):
     return mode, Foot(foot.s, sigma, foot.q, foot.v, foot.u, foot.place), change
 
 
-@jit_lean
+@jit
 def take_off(par, flat, foot):
     """The body as it leaves the ground, from both edges or from one."""
     if flat:
@@ -88,7 +88,7 @@ def take_off(par, flat, foot):
     return Air(x, foot.u + s * z * foot.v, z, z_rate, s * foot.q, s * foot.v, touching)
 
 
-@jit_lean
+@jit
 def moved(mode, foot, step, stops, lands, w):
     """The body on the ground at the end of a step."""
     c, slip, x = w[row.Q], w[row.SLIP], step.x
@@ -103,7 +103,7 @@ def moved(mode, foot, step, stops, lands, w):
     return Foot(foot.s, foot.sigma, q, v, u, place)
 
 
-@jit_lean
+@jit
 def flown(air, n, x, w):
     """The body in flight at the end of a step."""
     slip, height = w[row.SLIP], w[row.HEIGHT]
@@ -113,7 +113,7 @@ def flown(air, n, x, w):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def landed(par, foot, out):
     """The body after it came down from one edge onto the other, turning about that: (foot, energy it gained)."""
     before = energy_on_edge(par, foot)
@@ -124,7 +124,7 @@ def landed(par, foot, out):
     return foot, change
 
 
-@jit_lean
+@jit
 def struck_flat(par, t, foot, air, out):
     """A body that comes down flat: (pick, foot, air, speed of the impact, energy it gained).
 
@@ -146,7 +146,7 @@ def struck_flat(par, t, foot, air, out):
     return ON_EDGE, Foot(s, foot.sigma, 0.0, s * turn, x_rate - par[at.H] * turn, air.x), air, hit, change
 
 
-@jit_lean
+@jit
 def struck_corner(par, way, foot, air):
     """A body of which the edge on the side `way` comes down: as `struck_flat`.
 
@@ -170,7 +170,7 @@ def struck_corner(par, way, foot, air):
     return ON_EDGE, foot, air, hit, change
 
 
-@jit_lean
+@jit
 def entered(par, pick, mode, t, foot, air, slipped, jumped, a_g, weight, events, out):
     """The mode after an event, with the ground's motion from now on: (mode, foot, air, launch, slipped, gain)."""
     new, foot, change = chosen(par, pick, foot, a_g, weight, out)
@@ -191,7 +191,7 @@ def entered(par, pick, mode, t, foot, air, slipped, jumped, a_g, weight, events,
     return new, foot, air, launch, slips, change
 
 
-@jit_lean
+@jit
 def struck(par, scales, t, way, foot, air, stored, out):
     """A body in flight meets the ground, the edge on the side `way` first: (pick, foot, air, energy it gained).
 
@@ -209,7 +209,7 @@ def struck(par, scales, t, way, foot, air, stored, out):
     return pick, foot, air, change
 
 
-@jit_lean
+@jit
 def gave_way(par, event, way, mode, t, foot, air, launch, slipped, events, out):
     """A foot that held slips or leaves the ground, a body at rest tips: (mode, foot, air, launch, slipped)."""
     if event == SLIPS:

@@ -7,7 +7,7 @@ import math
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.state import edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 
 COARSER = 1e3
 """Accelerations need be known to so many times the truncation of the rotation."""
@@ -16,7 +16,7 @@ ENOUGH, ENOUGH_OF_STRAIGHT = 4, 2
 """Terms in a row that must be small, as sines of the ground's motion may cancel in three, a straight line in one."""
 
 
-@jit_lean
+@jit
 def turn(c, k, w):
     """Coefficient k of q' and of the rate of sin(beta), k + 1 of sin and cos of beta = alpha - q, from those of q.
 
@@ -33,13 +33,13 @@ def turn(c, k, w):
     sin_b[k + 1], cos_b[k + 1] = -up * share, down * share
 
 
-@jit_lean
+@jit
 def converged(c, k, power, h, coarse, small):
     """Whether term k + 2 of q and term k of q'' at h are small; `power` is h^k."""
     return abs(c[k + 2]) * power * h * h <= small and (k + 1) * (k + 2) * abs(c[k + 2]) * power <= coarse
 
 
-@jit_lean
+@jit
 def rock(par, foot, h, small, n, degree, w):
     """Series of q, of the normal force and friction at the edge (two orders less) of a foot that holds, into `w`.
 
@@ -74,7 +74,7 @@ def rock(par, foot, h, small, n, degree, w):
     return n
 
 
-@jit_lean
+@jit
 def slide_rock(par, foot, h, small, n, degree, w):
     """Series of q, of the slip velocity (an order less), of N, A and the numerator of N (two less) of a foot that slips
     (K5, K6), into `w`; returns the order, as `rock` does.
@@ -125,7 +125,7 @@ def slide_rock(par, foot, h, small, n, degree, w):
     return n
 
 
-@jit_lean
+@jit
 def slide(mu, foot, n, w):
     """Series (order n) of the velocity of a body that slides and does not turn."""
     a, W, slip = w[row.A_G], w[row.WEIGHT], w[row.SLIP]
@@ -134,7 +134,7 @@ def slide(mu, foot, n, w):
         slip[k + 1] = -(a[k] + mu * foot.sigma * W[k]) / (k + 1)
 
 
-@jit_lean
+@jit
 def fly(air, n, w):
     """Series (order n) of the horizontal velocity and the height of the centre of mass in flight."""
     a, W, along, height = w[row.A_G], w[row.WEIGHT], w[row.SLIP], w[row.HEIGHT]
@@ -145,7 +145,7 @@ def fly(air, n, w):
             height[k + 2] = -W[k] / ((k + 1) * (k + 2))
 
 
-@jit_lean
+@jit
 def turning(of_sin, of_cos, air, n, out):
     """Series (order n) of of_sin sin(theta) + of_cos cos(theta) while theta grows at a constant rate."""
     rate, sin_t, cos_t = air.turn, math.sin(air.theta), math.cos(air.theta)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.contact import parameters as at
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 
 STOPPED = 1e-9
 """A base that slips slower than this after an impact that stopped the rotation has stopped [m/s]."""
 
 
-@jit_lean
+@jit
 def landing(par, i, j, w, v):
     """A body that turns about edge i comes down on edge j (K10, K11): (rate, slip, normal impulse) just after.
 
@@ -49,7 +49,7 @@ def landing(par, i, j, w, v):
     return w, v, impulse
 
 
-@jit_lean
+@jit
 def corner(par, c, d, rate, v_t, v_n):
     """A corner at (c, d) from the centre of mass strikes the ground at v_n < 0 (K12): (theta', v_t, v_n) just after.
 
@@ -95,7 +95,7 @@ def corner(par, c, d, rate, v_t, v_n):
     return rate, v_t, v_n
 
 
-@jit_lean
+@jit
 def flat(par, x_rate, z_rate):
     """A body lands flat on the ground, neither edge first (docs/contact.md): (theta', x', z') of the centre of mass.
 
@@ -112,7 +112,7 @@ def flat(par, x_rate, z_rate):
     return rate, v_t - d * rate, v_n + c * rate
 
 
-@jit_lean
+@jit
 def jam(par, e, q, rate, u):
     """theta' just after a jam: an impulse at the edge that stops its slip at once (K13)."""
     R = par[e + at.RADIUS]

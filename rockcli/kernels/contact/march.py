@@ -26,7 +26,6 @@ from rockcli.kernels.constants import (
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact import workspace as row
-from rockcli.kernels.contact.calming import calms_down, shows_more, swung
 from rockcli.kernels.contact.codes import (
     DIVERGES,
     FLIGHT,
@@ -45,6 +44,7 @@ from rockcli.kernels.contact.codes import (
     STRIKES,
     TOPPLES,
 )
+from rockcli.kernels.contact.decay import only_decays, shows_more, swung
 from rockcli.kernels.contact.events import entered, flown, gave_way, landed, moved, struck
 from rockcli.kernels.contact.parts import add_part
 from rockcli.kernels.contact.readings import (
@@ -67,7 +67,7 @@ from rockcli.kernels.contact.rest import creeps, scales_of, settles
 from rockcli.kernels.contact.sliding import skimmed
 from rockcli.kernels.contact.state import Air, Foot, Settings, edge_under
 from rockcli.kernels.contact.steps import ground_ahead, next_step
-from rockcli.kernels.jit import entry, jit_lean, jit_part, rows
+from rockcli.kernels.jit import entry, jit, jit_part, rows
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, piece_at, piece_end
 from rockcli.kernels.rigid.settings import Channel
 
@@ -83,7 +83,7 @@ def work_space():
     return rows(row.N_ROWS, MAX_ORDER + 2)
 
 
-@jit_lean
+@jit
 def begin(par, start, out):
     """Where a case starts, and its results so far: (foot, what the mode is chosen for).
 
@@ -112,7 +112,7 @@ def begin(par, start, out):
     return Foot(s, 0.0, q, v, par[at.SLIDE_RATE_0], 0.0), pick
 
 
-@jit_lean
+@jit
 def followed_until(par, scales, t, mode, foot):
     """Time up to which a case is followed from t: the report, then PATIENCE; a slide after the motion to its end."""
     t_stop = par[at.T_STOP]
@@ -124,13 +124,13 @@ def followed_until(par, scales, t, mode, foot):
     return last
 
 
-@jit_lean
+@jit
 def ended(par, scales, t, mode, foot, air, watched, out):
     """What becomes of a body by now, or NOT_YET."""
     t_motion, t_stop, lasts = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
     if t >= t_motion and mode == REST and (not lasts or t >= t_stop):
         return RETURNS
-    if t >= max(t_motion, t_stop) and mode == ROCK and not watched and calms_down(par, foot, out):
+    if t >= max(t_motion, t_stop) and mode == ROCK and not watched and only_decays(par, foot, out):
         return RETURNS
     if t < t_stop + PATIENCE / scales.p_min:
         return NOT_YET
@@ -164,7 +164,7 @@ def taken_along(par, how, mode, foot, air, step, t, t_new, counted, ahead, w, dt
     return foot, air, worked, i_hist
 
 
-@jit_lean
+@jit
 def came_down(
     par, how, scales, t_was, t, foot, ahead, stalled, counted, skips, dt_out, i_hist, histories, impacts, w, balance,
     out,
@@ -183,7 +183,7 @@ def came_down(
         foot = Foot(foot.s, foot.sigma, 0.0, 0.0, foot.u, foot.place)
     if not foot.v > 0.0:
         return ON_BASE, t, foot, i_hist, balance
-    if skips and t_was >= par[at.T_MOTION] and calms_down(par, foot, out) and not shows_more(par, foot, out):
+    if skips and t_was >= par[at.T_MOTION] and only_decays(par, foot, out) and not shows_more(par, foot, out):
         t, foot, change = swung(par, scales, t, foot, how.rest_speed, impacts, out)
         balance += change
     wait, slid = settles(par, foot, w, ahead.degree, t - t_was, ahead.t_next - t, how.rest_speed)
@@ -197,7 +197,7 @@ def came_down(
     return ON_BASE, t + wait, foot, i_hist, balance
 
 
-@jit_lean
+@jit
 def finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out):
     """Results that the end of a case gives."""
     lasts, t_stop = par[at.HAS_DURATION] == 1.0, par[at.T_STOP]
@@ -216,7 +216,7 @@ def finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)
 
 
-@jit_lean
+@jit
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, start, histories, impacts, events, w, out):
     """Solve one case, from where `start`, a row of `handover`, has it: then `out` goes on from what it holds.
 

@@ -7,11 +7,11 @@ import math
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact import results as to
 from rockcli.kernels.contact.readings import note_slide
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid import results as of_lanes
 
 
-@jit_lean
+@jit
 def add_part(par, slide, part, out):
     """Add what lanes have found since `out`, which is nothing yet or what the kernel left; `slide`: of the base."""
     out[to.N_STEPS] += part[of_lanes.N_STEPS]

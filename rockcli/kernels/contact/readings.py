@@ -12,7 +12,7 @@ from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.rest import frequency
 from rockcli.kernels.contact.state import edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
 from rockcli.kernels.rigid.series import bound, slope, value
@@ -21,7 +21,7 @@ LOOKS = 8
 """Parts of a step in which extremes are looked for."""
 
 
-@jit_lean
+@jit
 def energy_on_edge(par, foot):
     """Energy of a body on an edge over m: kinetic, that of sliding included, and height [J/kg]."""
     q, v, e = foot.q, foot.v, edge_under(foot.s)
@@ -33,7 +33,7 @@ def energy_on_edge(par, foot):
     return 0.5 * (x_rate * x_rate + z_rate * z_rate + par[at.RG2] * v * v) + par[at.G] * rise
 
 
-@jit_lean
+@jit
 def energy_in_flight(par, air):
     """Energy of a body in flight over m [J/kg]."""
     x_rate, z_rate, rate = air.x_rate, air.z_rate, air.turn
@@ -41,7 +41,7 @@ def energy_in_flight(par, air):
     return kinetic + par[at.G] * (air.z - par[at.H])
 
 
-@jit_lean
+@jit
 def work_of(force, d, rate, n, x):
     """Integral of the product of two series, of orders d <= n, from 0 to x; to order n, as far as they are known."""
     total, power = 0.0, x
@@ -54,7 +54,7 @@ def work_of(force, d, rate, n, x):
     return total
 
 
-@jit_lean
+@jit
 def work(par, mode, foot, step, n, d, level, w):
     """Work of the ground motion and of friction on a step over m, of -a_g x' - a_v z' + T v_t [J/kg].
 
@@ -80,7 +80,7 @@ def work(par, mode, foot, step, n, d, level, w):
     return shaken - grip * work_of(w[row.NORMAL], step.order - 2, slip, step.slip_order, x)
 
 
-@jit_lean
+@jit
 def work_of_line(par, mode, foot, step, w):
     """Work of a level ground's a_g that is a straight line, as in records: x' is the slip less s R sin(beta)'."""
     a, lean, slip, x = w[row.A_G], w[row.LEAN], w[row.SLIP], step.x
@@ -94,7 +94,7 @@ def work_of_line(par, mode, foot, step, w):
     return total + a[1] * before * power / (step.order + 1)
 
 
-@jit_lean
+@jit
 def work_turning(par, foot, step, d, w):
     """`work` of the turning about the edge: x' is -s R times the rate of sin(beta), z' is R times that of cos(beta)."""
     a, W, sin_b, cos_b, x = w[row.A_G], w[row.WEIGHT], w[row.SIN_B], w[row.COS_B], step.x
@@ -109,7 +109,7 @@ def work_turning(par, foot, step, d, w):
     return total * par[edge_under(foot.s) + at.RADIUS]
 
 
-@jit_lean
+@jit
 def extremes(c, n, x, parts, found):
     """Largest value of a polynomial on [0, x] and where, then the smallest and where, into found[0:4]."""
     lo, P_lo, v_lo = 0.0, c[0], slope(c, n, 0.0)
@@ -135,7 +135,7 @@ def extremes(c, n, x, parts, found):
         lo, v_lo = hi, v_hi
 
 
-@jit_lean
+@jit
 def note_angle(q, side, t, tol, out):
     """Raise the peak of |theta| to q if it is the largest so far, of all or of its side (`rigid/readings.set_peak`)."""
     which = to.PEAK_RIGHT if side > 0.0 else to.PEAK_LEFT
@@ -145,20 +145,20 @@ def note_angle(q, side, t, tol, out):
     out[to.PEAK] = max(out[to.PEAK], q)
 
 
-@jit_lean
+@jit
 def note_slide(place, out):
     """Raise the largest slide."""
     if abs(place) > abs(out[to.SLIDE_PEAK]):
         out[to.SLIDE_PEAK] = place
 
 
-@jit_lean
+@jit
 def note_top(found, out):
     """Raise the largest displacement of the top to the extremes found."""
     out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
 
 
-@jit_lean
+@jit
 def note_rotation(foot, step, t, looks, tol, w, out):
     """Largest rotation of a step on one edge."""
     if step.reach <= out[to.PEAK_RIGHT if foot.s > 0.0 else to.PEAK_LEFT]:
@@ -168,7 +168,7 @@ def note_rotation(foot, step, t, looks, tol, w, out):
     note_angle(found[0], foot.s, t + found[1], tol, out)
 
 
-@jit_lean
+@jit
 def note_rocking(par, mode, foot, step, looks, w, out):
     """Extremes of a step on one edge: rate of the rotation, the normal force, the top; where they may be larger yet."""
     c, N, guard, found, m, x = w[row.Q], w[row.NORMAL], w[row.GUARD], w[row.FOUND], step.order, step.x
@@ -198,7 +198,7 @@ def note_rocking(par, mode, foot, step, looks, w, out):
     note_top(found, out)
 
 
-@jit_lean
+@jit
 def note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out):
     """Passage of the equilibrium and extremes of a step on one edge, `counted` if the report has not ended."""
     note_passage(par, how, mode, foot, step, t, looks, w, out)
@@ -208,7 +208,7 @@ def note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out):
             note_rocking(par, mode, foot, step, looks, w, out)
 
 
-@jit_lean
+@jit
 def note_carried(scales, hit, t, out):
     """What an impact carries (`MEANINGFUL`)."""
     carried = (hit / (scales.p_min * scales.alpha_min)) ** 2 - MEANINGFUL**2
@@ -217,7 +217,7 @@ def note_carried(scales, hit, t, out):
         out[to.SWINGS_T] += carried * t
 
 
-@jit_lean
+@jit
 def note_passage(par, how, mode, foot, step, t, looks, w, out):
     """When the body last passes its unstable equilibrium outwards, and its slide and normal force until then."""
     alpha = par[edge_under(foot.s) + at.ALPHA]
@@ -235,7 +235,7 @@ def note_passage(par, how, mode, foot, step, t, looks, w, out):
         out[to.N_STANDING] = min(out[to.N_MIN], found[2] / par[at.G])
 
 
-@jit_lean
+@jit
 def flown_path(par, air, n, up, lower, w):
     """Series of the displacement in flight of what is `up` above the centre of mass, on the side `lower`, in PATH."""
     path, slip, b = w[row.PATH], w[row.SLIP], lower * par[edge_under(lower) + at.B]
@@ -245,7 +245,7 @@ def flown_path(par, air, n, up, lower, w):
         path[k] += slip[k - 1] / k
 
 
-@jit_lean
+@jit
 def note_flying(par, air, n, x, t, counted, w, out):
     """Extremes of a step in flight: rotation, its rate, the slide of the lower edge, the top."""
     path, found, theta, turn = w[row.PATH], w[row.FOUND], air.theta, air.turn
@@ -274,7 +274,7 @@ def note_flying(par, air, n, x, t, counted, w, out):
             note_top(found, out)
 
 
-@jit_lean
+@jit
 def note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out):
     """What happens on the way: extremes of a step, the passage of the equilibrium."""
     looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
@@ -289,7 +289,7 @@ def note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out):
         out[to.N_MIN] = min(out[to.N_MIN], w[row.FOUND][2] / par[at.G])
 
 
-@jit_lean
+@jit
 def integral(c, n, x):
     """Integral of a polynomial from 0 to x."""
     y = c[n] / (n + 1)
@@ -298,7 +298,7 @@ def integral(c, n, x):
     return y * x
 
 
-@jit_lean
+@jit
 def slide_in_flight(par, air_x, theta):
     """Slide of the lower edge of a body in flight whose centre of mass is at `air_x` [m]."""
     lower = 1.0 if theta > 0.0 else -1.0
@@ -306,7 +306,7 @@ def slide_in_flight(par, air_x, theta):
     return air_x + b * math.cos(theta) - par[at.H] * math.sin(theta) - b
 
 
-@jit_lean
+@jit
 def write_step(par, mode, foot, air, step, t, until, n, w, dt_out, i, histories):
     """Write the histories at the output times up to a time, from number i on; returns the number of the next."""
     theta_out, rate_out, slide_out = histories[0], histories[1], histories[2]
@@ -335,7 +335,7 @@ def write_step(par, mode, foot, air, step, t, until, n, w, dt_out, i, histories)
     return i
 
 
-@jit_lean
+@jit
 def write_bounces(foot, t, until, dt_out, i, histories):
     """The same during bounces that end in rest, or in sliding, at `until`: upright, at the present slip velocity."""
     while i < len(histories[0]) and i * dt_out <= until * (1.0 + DUE):
@@ -346,7 +346,7 @@ def write_bounces(foot, t, until, dt_out, i, histories):
     return i
 
 
-@jit_lean
+@jit
 def write_rest(foot, until, dt_out, i, histories):
     """The same of a body that rests until the report ends."""
     while i < len(histories[0]) and i * dt_out <= until * (1.0 + DUE):
@@ -357,7 +357,7 @@ def write_rest(foot, until, dt_out, i, histories):
     return i
 
 
-@jit_lean
+@jit
 def note_event(t, mode, events, out):
     """Write down that a mode was entered, and count it."""
     k = int(out[to.N_EVENTS])
@@ -366,14 +366,14 @@ def note_event(t, mode, events, out):
     out[to.N_EVENTS] += 1
 
 
-@jit_lean
+@jit
 def counts(par, s, hit):
     """Whether an impact at the rate `hit` is counted of a body that has turned about the edge on side s."""
     e = edge_under(s)
     return hit > FAST * frequency(par, e) * par[e + at.ALPHA]
 
 
-@jit_lean
+@jit
 def note_impact(t, before, after, impacts, out):
     """Count an impact, and write down the rates before and after it."""
     out[to.N_IMPACTS] += 1
@@ -383,14 +383,14 @@ def note_impact(t, before, after, impacts, out):
         out[to.IMPACTS_STORED] += 1
 
 
-@jit_lean
+@jit
 def note_uplift(t, out):
     """The body begins to tilt."""
     if math.isnan(out[to.T_UPLIFT]):
         out[to.T_UPLIFT] = t
 
 
-@jit_lean
+@jit
 def note_slip(t, turns, slipped, out):
     """The foot begins to slip, or goes on slipping another way."""
     if not slipped:
@@ -401,7 +401,7 @@ def note_slip(t, turns, slipped, out):
         out[to.T_SLIDE_ROCK] = t
 
 
-@jit_lean
+@jit
 def note_flight(t, air, out):
     """The body leaves the ground, tilted or turning, or flat."""
     out[to.N_FLIGHTS] += 1

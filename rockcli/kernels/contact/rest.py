@@ -10,7 +10,7 @@ from rockcli.kernels.contact import workspace as row
 from rockcli.kernels.contact.codes import REST, SLIDE
 from rockcli.kernels.contact.selection import on_base, stiffness
 from rockcli.kernels.contact.state import Scales, edge_beyond, edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import pull
 from rockcli.kernels.rigid.series import value
 
@@ -18,14 +18,14 @@ SURE = 10.0
 """A slip is taken to keep its direction if it is this many times what can change it until the bounces have ended."""
 
 
-@jit_lean
+@jit
 def frequency(par, e):
     """p of an edge."""
     R = par[e + at.RADIUS]
     return math.sqrt(par[at.G] * R / (par[at.RG2] + R * R))
 
 
-@jit_lean
+@jit
 def scales_of(par, tol):
     """`Scales` of a case."""
     p_left, p_right = frequency(par, at.LEFT), frequency(par, at.RIGHT)
@@ -35,7 +35,7 @@ def scales_of(par, tol):
     return Scales(min(p_left, p_right), p_max, alpha_min, R_min, small, small * p_max * R_min)
 
 
-@jit_lean
+@jit
 def slowest(par):
     """The lesser p sin(alpha) of the two edges."""
     return min(
@@ -44,14 +44,14 @@ def slowest(par):
     )
 
 
-@jit_lean
+@jit
 def creeps(par, foot):
     """Whether a slip velocity is no more than rounding."""
     e = edge_under(foot.s)
     return abs(foot.u) <= 10.0 * STANDSTILL * frequency(par, e) * par[e + at.ALPHA] * par[e + at.RADIUS]
 
 
-@jit_lean
+@jit
 def settles(par, foot, w, n, x, left, rest_speed):
     """How long a body goes on bouncing that has just come down on an edge: (time, slip velocity then).
 
@@ -96,7 +96,7 @@ def settles(par, foot, w, n, x, left, rest_speed):
     return tail, u_then
 
 
-@jit_lean
+@jit
 def held(par, e, other, s, a, W):
     """Deceleration of a small rotation about edge e and restitution when landing on it, of a foot that holds.
 
@@ -113,7 +113,7 @@ def held(par, e, other, s, a, W):
     return -acc, (whole - place * par[other + at.B]) / (whole + place * par[e + at.B])
 
 
-@jit_lean
+@jit
 def slipping(par, e, other, s, sigma, W):
     """The same of a foot that slips one way all the time."""
     alpha, mu, rg2 = par[e + at.ALPHA], par[at.MU_K], par[at.RG2]

@@ -8,11 +8,11 @@ from rockcli.kernels.constants import SAME
 from rockcli.kernels.contact import parameters as at
 from rockcli.kernels.contact.codes import FLIGHT, JAM, NEITHER, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.kernels.contact.state import edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import pull
 
 
-@jit_lean
+@jit
 def stiffness(par, e, beta, slip):
     """A of (K5): normal acceleration of the edge per normal force; slip = mu sgn(u) sgn(theta)."""
     k = par[e + at.RADIUS] ** 2 / par[at.RG2]
@@ -20,7 +20,7 @@ def stiffness(par, e, beta, slip):
     return 1.0 + k * sin_b * (sin_b - slip * math.cos(beta))
 
 
-@jit_lean
+@jit
 def on_edge(par, foot, a, W):
     """Mode of a body on one edge: (mode, sgn of slip) (K9)."""
     s, q, v, u, e = foot.s, foot.q, foot.v, foot.u, edge_under(foot.s)
@@ -52,7 +52,7 @@ def on_edge(par, foot, a, W):
     return SLIDE_ROCK, way
 
 
-@jit_lean
+@jit
 def slip_rate(par, e, s, beta, v, sigma, N, a):
     """u' of an edge that slips under the normal force N (K6)."""
     R, rg2, mu = par[e + at.RADIUS], par[at.RG2], par[at.MU_K]
@@ -61,7 +61,7 @@ def slip_rate(par, e, s, beta, v, sigma, N, a):
     return s * (-s * a - R * sin_b * v * v - mu * s * sigma * N * (1.0 + k * cos_b * cos_b) + k * N * sin_b * cos_b)
 
 
-@jit_lean
+@jit
 def on_base(par, u, a, W):
     """Mode of a body flat on the ground that does not turn: (mode, edge it tips over, sgn of slip) (K8)."""
     if W <= 0.0:

@@ -8,11 +8,11 @@ from rockcli.kernels.contact.codes import REST
 from rockcli.kernels.contact.readings import note_slide
 from rockcli.kernels.contact.state import Foot
 from rockcli.kernels.contact.steps import FAR
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.ground import piece_end
 
 
-@jit_lean
+@jit
 def still_until(par, horizontal, h_data, i):
     """The first piece from i on in which a sampled motion might move a body at rest, or that is not its whole."""
     hold = min(par[at.MU_S], par[at.LEFT + at.B] / par[at.H], par[at.RIGHT + at.B] / par[at.H])
@@ -25,7 +25,7 @@ def still_until(par, horizontal, h_data, i):
     return i
 
 
-@jit_lean
+@jit
 def slide_on(par, horizontal, h_data, i, t, foot, out):
     """Let a body slide on from t in piece i to the end of the last before the one in which it may stop.
 
@@ -54,7 +54,7 @@ def slide_on(par, horizontal, h_data, i, t, foot, out):
     return i, Foot(foot.s, sigma, foot.q, foot.v, u, place), worked
 
 
-@jit_lean
+@jit
 def skimmed(par, mode, horizontal, h_data, ih, t, foot, out):
     """A body at rest, or that slides on, under samples from piece ih on that change no mode: (piece, foot, work)."""
     worked = 0.0

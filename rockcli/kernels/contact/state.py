@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rockcli.kernels.contact import parameters as at
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 
 
 class Settings(NamedTuple):
@@ -141,13 +141,13 @@ class Step(NamedTuple):
     reach: float
 
 
-@jit_lean
+@jit
 def edge_under(s):
     """Where the numbers of the edge begin about which a body tilts with sign s."""
     return at.RIGHT if s > 0.0 else at.LEFT
 
 
-@jit_lean
+@jit
 def edge_beyond(s):
     """Where the numbers of the other edge begin."""
     return at.LEFT if s > 0.0 else at.RIGHT

@@ -29,7 +29,7 @@ from rockcli.kernels.contact.codes import (
     TOPPLES,
 )
 from rockcli.kernels.contact.state import Ahead, Event, Step, edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, expand, piece_end
 from rockcli.kernels.rigid.roots import first_root, uplift
 
@@ -40,7 +40,7 @@ FAR = 1e-9
 """A guard of forces whose bound is more than this on a step, over their scale, surely has no root on it."""
 
 
-@jit_lean
+@jit
 def within(c, lo, hi, small, h):
     """The step cut so that terms lo ... hi of a series are below `small`."""
     power, longest = 1.0, h
@@ -51,7 +51,7 @@ def within(c, lo, hi, small, h):
     return h
 
 
-@jit_lean
+@jit
 def leaves(c, n, h, scale):
     """First x in [0, h] where a guard of forces turns negative, or NO_ROOT; what rounding of `scale` hides is zero."""
     if abs(c[0]) <= 1e-13 * scale:
@@ -64,7 +64,7 @@ def leaves(c, n, h, scale):
     return uplift(c, n, h, scale)
 
 
-@jit_lean
+@jit
 def starts(c, n, h, handled):
     """First x in (0, h] where a guard reaches zero, or NO_ROOT; 0 where it turns negative at once.
 
@@ -85,7 +85,7 @@ def starts(c, n, h, handled):
     return first_root(c, n, h, skip)
 
 
-@jit_lean
+@jit
 def sooner(event, kind, x, way):
     """The event so far, or the other at x if that comes first."""
     if x != NO_ROOT and (event.kind == NO_EVENT or x < event.x):
@@ -93,7 +93,7 @@ def sooner(event, kind, x, way):
     return event
 
 
-@jit_lean
+@jit
 def step_to(event, h, ahead, order, slip_order, reach):
     """A step to its event, or over its length h."""
     if ahead.stuck or event.kind == NO_EVENT:
@@ -101,7 +101,7 @@ def step_to(event, h, ahead, order, slip_order, reach):
     return Step(event.kind, event.way, event.x, order, slip_order, reach)
 
 
-@jit_lean
+@jit
 def ground_ahead(par, how, scales, mode, t, t_next, stalled, ih, iv, horizontal, h_data, vertical, v_data, w):
     """Series about t of the ground's a_g and of W = g + a_v into `w`, from the pieces ih and iv on."""
     a, W, n, g = w[row.A_G], w[row.WEIGHT], how.order, par[at.G]
@@ -133,7 +133,7 @@ def ground_ahead(par, how, scales, mode, t, t_next, stalled, ih, iv, horizontal,
     return Ahead(t_next, h, max(deg_a, deg_v, 1), vertical.kind == NOTHING, stalled > STALLED)
 
 
-@jit_lean
+@jit
 def next_step(par, how, scales, mode, foot, air, launch, ahead, w):
     """The step of a mode; `launch` leading coefficients of its guard of slip or flight are known to be zero."""
     if mode == REST:
@@ -145,7 +145,7 @@ def next_step(par, how, scales, mode, foot, air, launch, ahead, w):
     return on_one_edge(par, how, scales, mode, foot, launch, ahead, w)
 
 
-@jit_lean
+@jit
 def at_rest(par, how, ahead, w):
     """Rest ends where friction or the base does not hold the body, or the weight vanishes."""
     a, W, guard, h, g = w[row.A_G], w[row.WEIGHT], w[row.GUARD], ahead.h, par[at.G]
@@ -162,7 +162,7 @@ def at_rest(par, how, ahead, w):
     return step_to(event, h, ahead, how.order, how.order, 0.0)
 
 
-@jit_lean
+@jit
 def weightless(par, ahead, w):
     """When the weight of a body flat on the ground vanishes, or NO_ROOT."""
     if ahead.level:
@@ -172,7 +172,7 @@ def weightless(par, ahead, w):
     return leaves(w[row.GUARD], ahead.degree, ahead.h, par[at.G])
 
 
-@jit_lean
+@jit
 def sliding(par, how, foot, launch, ahead, w):
     """A slide ends where its velocity does, or the weight vanishes."""
     guard, slip, n, h = w[row.GUARD], w[row.SLIP], ahead.degree + 1, ahead.h
@@ -185,7 +185,7 @@ def sliding(par, how, foot, launch, ahead, w):
     return step_to(event, h, ahead, how.order, n, 0.0)
 
 
-@jit_lean
+@jit
 def flying(par, how, scales, air, launch, ahead, w):
     """Flight ends where an edge meets the ground, or the body has turned by pi/2."""
     guard, height, n, h = w[row.GUARD], w[row.HEIGHT], how.order, ahead.h
@@ -214,7 +214,7 @@ def flying(par, how, scales, air, launch, ahead, w):
     return step_to(event, h, ahead, n, n, 0.0)
 
 
-@jit_lean
+@jit
 def on_one_edge(par, how, scales, mode, foot, launch, ahead, w):
     """A step of a body that rocks, its foot held or slipping."""
     c, n, slip_order = w[row.Q], how.order, how.order
@@ -232,7 +232,7 @@ def on_one_edge(par, how, scales, mode, foot, launch, ahead, w):
     return first_event(par, scales, mode, foot, launch, h, ahead, m, slip_order, w)
 
 
-@jit_lean
+@jit
 def first_event(par, scales, mode, foot, launch, h, ahead, m, slip_order, w):
     """`on_one_edge` for a step of length h whose series, of order m, are in `w`."""
     c = w[row.Q]
@@ -253,7 +253,7 @@ def first_event(par, scales, mode, foot, launch, h, ahead, m, slip_order, w):
     return step_to(event, h, ahead, m, slip_order, reach)
 
 
-@jit_lean
+@jit
 def lands(scales, foot, m, h, w):
     """When theta is 0 again, or NO_ROOT; a body that just began to rise is not there."""
     guard = w[row.GUARD]
@@ -267,7 +267,7 @@ def lands(scales, foot, m, h, w):
     return starts(guard, m, h, handled)
 
 
-@jit_lean
+@jit
 def foot_gives_way(par, event, m, h, w):
     """The event, or an earlier end of a foot that holds: |T| = mu_s N."""
     guard, N, T, mu = w[row.GUARD], w[row.NORMAL], w[row.FRICTION], par[at.MU_S]
@@ -279,7 +279,7 @@ def foot_gives_way(par, event, m, h, w):
     return event
 
 
-@jit_lean
+@jit
 def slip_ends(par, event, foot, launch, m, h, w):
     """The event, or an earlier end of a slip on one edge: it stops, or jams where A = 0."""
     guard, slip, stiff = w[row.GUARD], w[row.SLIP], w[row.STIFFNESS]

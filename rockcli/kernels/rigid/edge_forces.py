@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.series import bend, slope, third, value
 
@@ -12,7 +12,7 @@ RATE, NORMAL, FRICTION = 0, 1, 2
 """What is watched: |q'|, N and |T|/N; its values stand in slots 0-2, its derivatives (to their sign) in slots 3-5."""
 
 
-@jit_lean
+@jit
 def contact(edge, s, c, n, y, a, a_v, deg, force):
     """Rate, N/g and |T|/N at y, and what has the sign of their derivatives, into force[0:6]; per unit mass.
 
@@ -31,7 +31,7 @@ def contact(edge, s, c, n, y, a, a_v, deg, force):
     force[5] = T * (dT * N - T * dN)
 
 
-@jit_lean
+@jit
 def note(force, out):
     """Raise the largest rate and friction, lower the smallest normal force."""
     out[to.RATE_PEAK] = max(out[to.RATE_PEAK], force[RATE])
@@ -39,7 +39,7 @@ def note(force, out):
     out[to.MU] = max(out[to.MU], force[FRICTION])
 
 
-@jit_lean
+@jit
 def watch_rocking(edge, s, c, n, x, a, a_v, deg, parts, force, out):
     """Largest rate and friction and smallest normal force on [0, x].
 
@@ -61,7 +61,7 @@ def watch_rocking(edge, s, c, n, x, a, a_v, deg, parts, force, out):
         d0, d1, d2 = e0, e1, e2
 
 
-@jit_lean
+@jit
 def note_passage(passed, edge, s, c, n, t, a, a_v, deg, parts, watched, force, out):
     """Note that a step from t on passes the equilibrium outward, and, if watched, the forces of a body that stands."""
     out[to.T_OVERTURN] = t + passed
@@ -70,7 +70,7 @@ def note_passage(passed, edge, s, c, n, t, a, a_v, deg, parts, watched, force, o
         out[to.MU_STANDING], out[to.N_STANDING] = out[to.MU], out[to.N_MIN]
 
 
-@jit_lean
+@jit
 def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
     """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
     kept = 0
@@ -94,7 +94,7 @@ def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
     note(force, out)
 
 
-@jit_lean
+@jit
 def watch_rest(a, a_v, deg, g, x, out):
     """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
     parts = 1 if max(deg.a, deg.v) <= 1 else 32

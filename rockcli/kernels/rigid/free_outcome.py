@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, NOT_YET, RETURNS, UNDECIDED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import barrier, separatrix
 
 
-@jit_lean
+@jit
 def free_rocking(edge, other, q, v, linear, margin):
     """Does a body rocking freely about an edge, no forcing, ever fall?  RETURNS, FALLS or UNDECIDED.
 
@@ -47,7 +47,7 @@ def free_rocking(edge, other, q, v, linear, margin):
     return UNDECIDED
 
 
-@jit_lean
+@jit
 def damped_rocking(edge, other, q, v, linear, margin):
     """With a damper at the base: RETURNS or FALLS where the energy, which can only fall, tells; else NOT_YET."""
     if q >= edge.q_star and v >= 0.0:
@@ -62,7 +62,7 @@ def damped_rocking(edge, other, q, v, linear, margin):
     return RETURNS if at_rest_below or inertia * energy < lowest * (1.0 - margin) else NOT_YET
 
 
-@jit_lean
+@jit
 def lost_for_good(edge, q, v, ground, lightening):
     """Linear body beyond its equilibrium: no return whatever the rest of the motion does.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.rigid.settings import Degrees
 
 WIDTH = 14
@@ -22,7 +22,7 @@ its series are nothing, and by Cramer's bound |He_m(y)| < 1.09 sqrt(m!) exp(y^2/
 tolerance."""
 
 
-@jit_lean
+@jit
 def piece_end(channel, data, i):
     """End of piece i [s]; samples: of the interval between samples i and i + 1."""
     if channel.kind == SAMPLES:
@@ -30,7 +30,7 @@ def piece_end(channel, data, i):
     return data[i * WIDTH + 1]
 
 
-@jit_lean
+@jit
 def bound_from(channel, data, factor, i):
     """Bound of |a| over piece i and all later ones [m/s^2]."""
     if channel.kind == NOTHING or i >= channel.pieces:
@@ -40,7 +40,7 @@ def bound_from(channel, data, factor, i):
     return data[i * WIDTH + 13]
 
 
-@jit_lean
+@jit
 def piece_at(channel, data, i, t):
     """The piece at time t, i an earlier one; `channel.pieces` beyond the last, and of a channel that is none."""
     if channel.kind == NOTHING:
@@ -67,7 +67,7 @@ def pieces_at(ground, ih, iv, t, t_motion, t_end):
     return ih, iv, t_next
 
 
-@jit_lean
+@jit
 def sight(channel, data, i, t):
     """Longest step from t at which the series of piece i tells what comes [s]."""
     if channel.kind != PULSES or i >= channel.pieces or data[i * WIDTH + 2] != BELL:
@@ -76,7 +76,7 @@ def sight(channel, data, i, t):
     return NEAR / w if w * (t - data[i * WIDTH + 3]) < FAR else math.inf
 
 
-@jit_lean
+@jit
 def expand(channel, data, factor, i, t, n, out):
     """Write the Taylor coefficients about t of piece i into out[0..deg]; return deg <= n.
 
@@ -124,7 +124,7 @@ def bounds_from(ground, ih, iv):
     return horizontal, bound_from(ground.vertical, ground.v_data, ground.factor_v, iv)
 
 
-@jit_lean
+@jit
 def _expand_waves(table, row, t, n, out):
     for k in range(n + 1):
         out[k] = 0.0
@@ -142,7 +142,7 @@ def _expand_waves(table, row, t, n, out):
     return n
 
 
-@jit_lean
+@jit
 def _expand_bell(table, row, t, n, out):
     # exp(-y^2/2) obeys E' = -y y' E; out = (d0 + d1 y + d2 y^2 + d3 y^3) E with y = y0 + w x
     w = table[row + 4]

@@ -6,13 +6,13 @@ import math
 from typing import NamedTuple
 
 from rockcli.kernels import formulas
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid import parameters as at
 
-restoring = jit_lean(formulas.restoring)
-driving = jit_lean(formulas.driving)
-pull = jit_lean(formulas.pull)
-potential = jit_lean(formulas.potential)
+restoring = jit(formulas.restoring)
+driving = jit(formulas.driving)
+pull = jit(formulas.pull)
+potential = jit(formulas.potential)
 
 
 class Edge(NamedTuple):
@@ -34,7 +34,7 @@ class Edge(NamedTuple):
     radius: float
 
 
-@jit_lean
+@jit
 def edge_of(par, e):
     """The edge whose numbers begin at par[e]: at.LEFT or at.RIGHT."""
     return Edge(
@@ -44,14 +44,14 @@ def edge_of(par, e):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def pressed(edge, s, a, a_v):
     """Deceleration of a body that starts to turn about an edge: -q'' at q = 0."""
     back = restoring(edge.r0, edge.rs, edge.rc, 0.0, 1.0)
     return edge.p2 * pull(1.0 + a_v / edge.g, back, s * a / edge.g, driving(edge.fc, edge.fs, 0.0, 1.0))
 
 
-@jit_lean
+@jit
 def energy(edge, q, v, linear):
     """Energy about an edge over m g: R (v^2/(2 p^2) + potential), zero at q = 0.
 
@@ -65,7 +65,7 @@ def energy(edge, q, v, linear):
     return edge.radius * (0.5 * v * v / edge.p2 + stored)
 
 
-@jit_lean
+@jit
 def barrier(edge, q, linear):
     """Potential energy still missing to the unstable equilibrium, over I_O p^2.
 
@@ -79,7 +79,7 @@ def barrier(edge, q, linear):
     return edge.r0 * (y - math.sin(y)) + 2.0 * edge.slope * half * half
 
 
-@jit_lean
+@jit
 def separatrix(edge, q, v, linear):
     """Distance from the separatrix in units of rotation: > 0 falls, < 0 returns.
 

@@ -20,15 +20,15 @@ from rockcli.kernels.constants import (
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
-    NUDGE,
     OUT_OF_STEPS,
     PATIENCE,
+    PUSH,
     RETURNS,
     STALLED,
     TOPPLES,
     UNDECIDED,
 )
-from rockcli.kernels.jit import entry, jit_lean, jit_part, room
+from rockcli.kernels.jit import entry, jit, jit_part, room
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
@@ -66,7 +66,7 @@ def work_space():
     return (*(room(MAX_ORDER + 1) for _ in range(6)), room(6))
 
 
-@jit_lean
+@jit
 def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, spaces, out):
     """Solve one case.
 
@@ -88,7 +88,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
     t = lost = 0.0
     work = energy(right if s > 0.0 else left, q, v, linear)
     ih = iv = i_hist = stalled = 0
-    verdict, push, launch = NOT_YET, NUDGE, False
+    verdict, push, launch = NOT_YET, PUSH, False
 
     while True:
         edge, other = (right, left) if s > 0.0 else (left, right)
@@ -149,7 +149,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
         i_hist = write_step(history, i_hist, dt_out, t_was, min(t, t_stop), 0.0, s, c, n)
         stalled = stalled + 1 if t == t_was else 0
         if t > t_was:
-            push, lifted = NUDGE, True
+            push, lifted = PUSH, True
         if detail > OUTCOME and given and reported and t >= t_stop and v > 0.0:
             set_peak(edge.alpha, s, q, t, how.tol, out)  # the report ends while it rises, the run may go on
 
@@ -264,7 +264,7 @@ def note_landing(edge, other, s, rate, t, reported, impacts, out):
         out[to.ONTO_LEFT if s > 0.0 else to.ONTO_RIGHT] += 1
 
 
-@jit_lean
+@jit
 def afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out):
     """Beyond the report: the swing under way still has its peak; a body that falls is followed to where it does."""
     a[0] = a_v[0] = 0.0

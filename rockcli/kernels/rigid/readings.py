@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import DUE, MEANINGFUL
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import driving, restoring
 from rockcli.kernels.rigid.roots import turning_point
@@ -30,7 +30,7 @@ def empty(spaces):
             space[i] = 0.0
 
 
-@jit_lean
+@jit
 def work_done(edge, s, c, n, x, a, a_v, deg, sin_q, cos_q, moment):
     """Work of the ground motion and of the damper over a step, over m g: -R * integral of their moments times q'.
 
@@ -57,7 +57,7 @@ def work_done(edge, s, c, n, x, a, a_v, deg, sin_q, cos_q, moment):
     return -total * edge.radius / edge.g
 
 
-@jit_lean
+@jit
 def raise_peak(alpha, s, c, n, x, t, parts, tol, out):
     """Raise the peak of |theta| to the largest turning point on [0, x]."""
     lo, v_lo, b_lo = 0.0, c[1], 2.0 * c[2]
@@ -75,7 +75,7 @@ def raise_peak(alpha, s, c, n, x, t, parts, tol, out):
         b_lo = b_hi
 
 
-@jit_lean
+@jit
 def set_peak(alpha, s, q, t, tol, out):
     """Note |theta| = q at t if it is the largest so far, of all or of its side; alpha of that side.
 
@@ -89,14 +89,14 @@ def set_peak(alpha, s, q, t, tol, out):
     out[to.PEAK] = max(out[to.PEAK], q)
 
 
-@jit_lean
+@jit
 def forget_hops(out):
     """Take back the uplift and the peaks of hops that took no time: rounding, of a body that moves at no other time."""
     out[to.PEAK] = out[to.PEAK_LEFT] = out[to.PEAK_RIGHT] = out[to.RATE_PEAK] = 0.0
     out[to.T_PEAK] = out[to.T_UPLIFT] = math.nan
 
 
-@jit_lean
+@jit
 def note_swing(rate, t, out):
     """Note what an impact at t carries, its rate over p alpha."""
     carried = rate**2 - MEANINGFUL**2
@@ -105,7 +105,7 @@ def note_swing(rate, t, out):
         out[to.SWINGS_T] += carried * t
 
 
-@jit_lean
+@jit
 def note_impact(t, rate, eta, impacts, out):
     """Count an impact, and store it as far as there is room: time, rate before and after."""
     out[to.N_IMPACTS] += 1

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import NO_ROOT, STALLED, STANDSTILL
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.rigid.edge_forces import watch_rest
 from rockcli.kernels.rigid.law import pressed
 from rockcli.kernels.rigid.roots import uplift
 from rockcli.kernels.rigid.series import value
 
 
-@jit_lean
+@jit
 def rest_time(edge, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
     """When a body just turned onto an edge with rate v comes to rest, or -1 if it goes on rocking.
 
@@ -33,7 +33,7 @@ def rest_time(edge, other, s, v, a, a_v, deg, x, t, t_next, rest_speed):
     return bounced_out(edge, other, s, v, down, down_other, a, a_v, deg, x, t, t_next)
 
 
-@jit_lean
+@jit
 def bounced_out(edge, other, s, v, down, down_other, a, a_v, deg, x, t, t_next):
     """When the bounces of a body that two constant moments press down have ended, or -1 if not inside this piece."""
     per_cycle = edge.eta * other.eta
@@ -71,7 +71,7 @@ def stand(left, right, least, a, a_v, deg, t, t_next, stalled, push, watched, gu
     return t_new, s_up, (stalled + 1 if t_new == t else 0), push
 
 
-@jit_lean
+@jit
 def lift_off(at_left, at_right, least, a, a_v, deg, g, h, guard):
     """Time from now at which a body at rest turns about an edge, or NO_ROOT; its sign; the step looked at, at most h.
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import NO_ROOT
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.rigid.series import bend, slope, value
 
 SQUARED = 1e-9
 """A step of Newton this small, relative, is the last: the next would be about its square."""
 
 
-@jit_lean
+@jit
 def safe_step(P, dP, M):
     """Zero y > 0 of the lower bound P + dP y - M y^2/2, P >= 0; infinite if it has none."""
     root = math.sqrt(dP * dP + 2.0 * M * P)
@@ -21,7 +21,7 @@ def safe_step(P, dP, M):
     return 2.0 * P / (root - dP) if root > dP else math.inf
 
 
-@jit_lean
+@jit
 def first_root(c, n, h, skip):
     """Smallest x in (0, h] where P(x) = c[skip] + c[skip+1] x + ... reaches zero from above, or NO_ROOT.
 
@@ -62,7 +62,7 @@ def zeros_before(c, n):
     return -1 if c[skip] <= 0.0 else skip
 
 
-@jit_lean
+@jit
 def turning_point(c, n, lo, hi):
     """Root of P' in [lo, hi] where P' > 0 at lo and <= 0 at hi: Newton kept inside the bracket."""
     x = 0.5 * (lo + hi)
@@ -84,7 +84,7 @@ def turning_point(c, n, lo, hi):
     return x
 
 
-@jit_lean
+@jit
 def passage(c, n, level, lo, hi):
     """Root of P - level in [lo, hi] where P < level at lo and >= level at hi."""
     x = 0.5 * (lo + hi)
@@ -106,7 +106,7 @@ def passage(c, n, level, lo, hi):
     return x
 
 
-@jit_lean
+@jit
 def last_passage(c, n, level, x, parts):
     """Last upward passage of P through level on (0, x], or NO_ROOT.
 
@@ -132,7 +132,7 @@ def last_passage(c, n, level, x, parts):
     return found
 
 
-@jit_lean
+@jit
 def lowest_point(c, n, lo, hi):
     """Root of P' in [lo, hi] where P' < 0 at lo and > 0 at hi, by bisection to a millionth of the bracket."""
     for _ in range(20):
@@ -144,7 +144,7 @@ def lowest_point(c, n, lo, hi):
     return 0.5 * (lo + hi)
 
 
-@jit_lean
+@jit
 def uplift(d, n, h, scale):
     """First x in [0, h] where the guard polynomial d turns negative for good, or NO_ROOT.
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.rigid.law import driving, restoring
 
 
-@jit_lean
+@jit
 def flow(edge, how, small, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q):
     """Coefficients of q about now into c; return (order, step).
 
@@ -62,7 +62,7 @@ def flow(edge, how, small, q, v, s, a, a_v, deg, launch, h, c, sin_q, cos_q):
     return n, h
 
 
-@jit_lean
+@jit
 def value(c, n, x):
     """Polynomial c[0] + ... + c[n] x^n."""
     y = c[n]
@@ -71,7 +71,7 @@ def value(c, n, x):
     return y
 
 
-@jit_lean
+@jit
 def slope(c, n, x):
     """Its derivative."""
     if n < 1:
@@ -82,7 +82,7 @@ def slope(c, n, x):
     return y
 
 
-@jit_lean
+@jit
 def bend(c, n, x):
     """Its second derivative."""
     if n < 2:
@@ -93,7 +93,7 @@ def bend(c, n, x):
     return y
 
 
-@jit_lean
+@jit
 def third(c, n, x):
     """Its third derivative."""
     if n < 3:

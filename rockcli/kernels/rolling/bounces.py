@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rockcli.kernels.constants import FAST, MEANINGFUL
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.quadrature import NODES, POINTS, WEIGHTS
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling.free_rolling import MOST_SEGMENTS
@@ -24,7 +24,7 @@ STEEP, STEEPER = 0.2, 0.7
 """Least moment on a swing over the largest, from which on the quadrature is good to 1e-5 of its time, or to 1e-10."""
 
 
-@jit_lean
+@jit
 def swings_low(body, g, facet, s, v, left, right, fine):
     """Whether a body that has landed, and turns about the end s of a facet at rate v, swings less from now on.
 
@@ -55,7 +55,7 @@ def swings_low(body, g, facet, s, v, left, right, fine):
     return True
 
 
-@jit_lean
+@jit
 def swings_softly(body, g, facet, s, v, rate, least, most):
     """Whether the free swings of such a body keep within `rate`, N/(m g) within `least`, |T|/N within `most`.
 
@@ -82,7 +82,7 @@ def swings_softly(body, g, facet, s, v, rate, least, most):
     return True
 
 
-@jit_lean
+@jit
 def duration(p2, start, v, w, fine):
     """Time in which the rate goes from v to w, both at least 0, about an end where cos(alpha - q) is `start` at v.
 
@@ -99,14 +99,14 @@ def duration(p2, start, v, w, fine):
     return abs(v - w) * total / p2
 
 
-@jit_lean
+@jit
 def moment(p2, start, v, rate):
     """|M|/p^2 where the rate has gone from v to `rate`."""
     near = start + 0.5 * (v - rate) * (v + rate) / p2
     return math.sqrt(max(1.0 - near * near, 1e-300))
 
 
-@jit_lean
+@jit
 def impacts_until(body, g, facet, s, v, t, stop, rest_speed, fine):
     """Impacts of a body that swings low (`swings_low`) from now on and up to the time `stop`.
 

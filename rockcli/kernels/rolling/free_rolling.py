@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling.law import end_of
 
@@ -16,7 +16,7 @@ SAME_TOP = 1e-12
 """Barriers nearer than this are the same one, seen from the facets on its two sides [rad]."""
 
 
-@jit_lean
+@jit
 def free_rolling(body, g, facet, s, q, v, margin):
     """RETURNS, FALLS or UNDECIDED, the facet it comes to rest on, and how many facets touch until it lies on its side.
 
@@ -87,7 +87,7 @@ def free_rolling(body, g, facet, s, q, v, margin):
     return RETURNS if right and left else UNDECIDED, -1, hits
 
 
-@jit_lean
+@jit
 def settled(body, g, facet, s, q):
     """RETURNS and the facet at the bottom of the well in which the body is, FALLS if that is beyond a last barrier."""
     count = int(body[at.COUNT])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rolling import parameters as at
 
 
@@ -40,7 +40,7 @@ class End(NamedTuple):
     tilt: float
 
 
-@jit_lean
+@jit
 def end_of(body, g, facet, s):
     """The end of a facet on the side s = 1 or -1."""
     of_facet = at.FIRST + facet * at.FACET
@@ -53,7 +53,7 @@ def end_of(body, g, facet, s):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def push_of(height, eta, b, other_b):
     """Ratio of the impulses of a landing, along the ground and up: the body turns from one end of a facet to the other.
 
@@ -63,7 +63,7 @@ def push_of(height, eta, b, other_b):
     return height * abs(1.0 - eta) / pushed if pushed > 0.0 else math.inf
 
 
-@jit_lean
+@jit
 def energy(end, q, v):
     """Energy over m g: R v^2/(2 p^2) and the height of the centre of mass above the ground."""
     # R (cos(alpha - q) - cos(alpha)), which is small near q = 0, without cancellation

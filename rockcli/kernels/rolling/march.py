@@ -19,16 +19,16 @@ from rockcli.kernels.constants import (
     NO_ROOT,
     NOT_FINITE,
     NOT_YET,
-    NUDGE,
     OUT_OF_STEPS,
     PATIENCE,
+    PUSH,
     RETURNS,
     STALLED,
     STRICTER,
     TOUCHES,
     UNDECIDED,
 )
-from rockcli.kernels.jit import entry, jit_lean, jit_part
+from rockcli.kernels.jit import entry, jit, jit_part
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, expand_both, longest_step, pieces_at
@@ -54,8 +54,8 @@ from rockcli.kernels.rigid.settings import Ground
 from rockcli.kernels.rigid.settings import Settings as Settings
 from rockcli.kernels.rolling import parameters as at
 from rockcli.kernels.rolling import results as also
+from rockcli.kernels.rolling.eventless import step_over_samples, waits
 from rockcli.kernels.rolling.free_rolling import free_rolling
-from rockcli.kernels.rolling.glide import glide, waits
 from rockcli.kernels.rolling.law import end_of, energy, push_of
 from rockcli.kernels.rolling.rest import rest_time
 
@@ -63,14 +63,14 @@ SURE = 1.0 - 1e-9
 """An acceleration nearer to uplift than this is looked at closely."""
 
 
-@jit_lean
+@jit
 def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history, impacts, spaces, out):
     """Solve one case of a body, a row of the table of `kernels.rolling.parameters`; else as `kernels.rigid.march`."""
     detail, scale = how.detail, body[at.SCALE]
     ground = Ground(horizontal, h_data, par[at.FACTOR_H], vertical, v_data, par[at.FACTOR_V])
     t_motion, t_stop, given = par[at.T_MOTION], par[at.T_STOP], par[at.HAS_DURATION] == 1.0
     lean = vertical.kind == NOTHING and len(history[0]) == 0 and detail < ALL
-    glides = lean and horizontal.kind == SAMPLES and t_motion >= horizontal.pieces * horizontal.dt
+    steps_over = lean and horizontal.kind == SAMPLES and t_motion >= horizontal.pieces * horizontal.dt
     clear(out)
     empty(spaces)
     c, sine, cosine, a, a_v, guard, _ = spaces
@@ -81,7 +81,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
     t = lost = 0.0
     work = energy(end, q, v)
     ih = iv = i_hist = stalled = 0
-    verdict, push, launch = NOT_YET, NUDGE, False
+    verdict, push, launch = NOT_YET, PUSH, False
 
     while True:
         if t >= t_motion and verdict == NOT_YET:
@@ -111,8 +111,8 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
                 if still > t:
                     t = still
                     continue
-            elif glides and q > 0.0 and not launch:
-                moved_on, t, q, v = glide(
+            elif steps_over and q > 0.0 and not launch:
+                moved_on, t, q, v = step_over_samples(
                     end, s, h_data, horizontal.dt, par[at.FACTOR_H], horizontal.pieces, ih, t, q, v, small,
                     barrier_of(body, end, s), ceiling_of(end, s, detail, out),
                 )  # fmt: skip
@@ -155,7 +155,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
         i_hist = write_step(history, i_hist, dt_out, t_was, min(t, t_stop), end.tilt, s, c, n)
         stalled = stalled + 1 if t == t_was else 0
         if t > t_was:
-            push, lifted = NUDGE, True
+            push, lifted = PUSH, True
         if event == NO_EVENT:
             continue
 
@@ -222,21 +222,21 @@ def begin(par, body, how, out):
     return (REST if q == v == 0.0 else ROCK), facet, s, q, v
 
 
-@jit_lean
+@jit
 def standing_angle(body, g):
     """The lesser alpha of the facet on which a body stands."""
     facet = int(body[at.STANDING])
     return min(end_of(body, g, facet, 1.0).alpha, end_of(body, g, facet, -1.0).alpha)
 
 
-@jit_lean
+@jit
 def barrier_of(body, end, s):
     """q at the last barrier of the side to which an end of a facet leads, on whatever facet that is."""
     fall = body[at.FALL_RIGHT] if end.tilt + 0.5 * s * end.extent > 0.0 else body[at.FALL_LEFT]
     return s * (fall - end.tilt)
 
 
-@jit_lean
+@jit
 def ceiling_of(end, s, detail, out):
     """q beyond which there would be a new peak, infinite where none is wanted, or q does not grow outward."""
     if s * end.tilt < 0.0 or detail == OUTCOME:
@@ -244,7 +244,7 @@ def ceiling_of(end, s, detail, out):
     return out[to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT] - abs(end.tilt)
 
 
-@jit_lean
+@jit
 def told(body, end, mode, s, q, v, verdict, given):
     """Beyond the report: whether the swing under way has had its peak, its passage of the last barrier."""
     theta = end.tilt + s * q
@@ -253,7 +253,7 @@ def told(body, end, mode, s, q, v, verdict, given):
     return mode == REST or passed or (verdict != FALLS and (given or inward))
 
 
-@jit_lean
+@jit
 def stands_until(left, right, ground, ih, t_motion):
     """Until when the horizontal motion from piece ih on surely lifts a body off neither edge [s]; 0: not known."""
     if bounds_from(ground, ih, 0)[0] <= left.g * min(left.threshold, right.threshold):

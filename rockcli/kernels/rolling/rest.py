@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FAST, STANDSTILL
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import pressed
 from rockcli.kernels.rigid.rest import bounced_out
 from rockcli.kernels.rigid.series import value
@@ -14,7 +14,7 @@ NEAR = 1e-9
 """Bounces that may end in rest reach no farther than this fraction of the turn to the next facet."""
 
 
-@jit_lean
+@jit
 def uncounted(p, eta, p_other, eta_other, scale):
     """Rate up to which no bounce on a facet counts, of p and eta of its ends; scale: the rotation rates are told by.
 
@@ -23,7 +23,7 @@ def uncounted(p, eta, p_other, eta_other, scale):
     return FAST * scale * min(p_other / max(eta, 1.0), p / max(eta_other, 1.0))
 
 
-@jit_lean
+@jit
 def rest_time(end, other, s, v, scale, a, a_v, deg, x, t, t_next, rest_speed):
     """When a body just turned onto an end of a facet with rate v comes to rest on it, or -1 if it goes on.
 

@@ -54,7 +54,7 @@ SPREAD = 1.5
 
 
 @dataclass(frozen=True)
-class Nudge:
+class Perturbation:
     """How a second run differs, and what it tells.
 
     Attributes:
@@ -175,16 +175,21 @@ ensemble, with what accuracy there is."""
 
 
 def judge(
-    first: Traces, again: Again, nudge: Nudge, refine: Callable[[Index], Traces], finer: Nudge | None, reach: float
+    first: Traces,
+    again: Again,
+    perturbation: Perturbation,
+    refine: Callable[[Index], Traces],
+    finer: Perturbation | None,
+    reach: float,
 ) -> Judgement:
     """Judge runs of n cases by further ones.
 
     Where a second run parts from the first one, `refine` has the answers replaced by those of a more accurate run;
-    where that parts from a nudged run too, an ensemble decides.
+    where that parts from a perturbed run too, an ensemble decides.
 
     Args:
         first: the runs as they are.
-        again, refine: what runs them again; nudge, finer: how; None: there is nothing more accurate.
+        again, refine: what runs them again; perturbation, finer: how; None: there is nothing more accurate.
         reach: largest relative difference of the motions of an ensemble.
     """
     n = len(first.verdict)
@@ -193,7 +198,7 @@ def judge(
     runs = first.rows(rows)
     if not len(rows):
         return found
-    parted = _compared(found, rows, runs, again, nudge, fine=False)
+    parted = _compared(found, rows, runs, again, perturbation, fine=False)
     rows, runs = rows[parted], runs.rows(parted)
     if len(rows) and finer is not None:
         runs = refine(rows)
@@ -205,10 +210,12 @@ def judge(
     return found
 
 
-def _compared(found: Judgement, rows: Index, runs: Traces, again: Again, nudge: Nudge, *, fine: bool) -> Mask:
-    """Error estimates of some cases from a nudged run; in which of them the two part."""
-    other = again(rows, np.full(len(rows), 1.0 - nudge.size), fine)
-    found.error[rows] = runs.apart(other) * nudge.weight + np.where(runs.peak > 0.0, nudge.floor, 0.0)
+def _compared(
+    found: Judgement, rows: Index, runs: Traces, again: Again, perturbation: Perturbation, *, fine: bool
+) -> Mask:
+    """Error estimates of some cases from a perturbed run; in which of them the two part."""
+    other = again(rows, np.full(len(rows), 1.0 - perturbation.size), fine)
+    found.error[rows] = runs.apart(other) * perturbation.weight + np.where(runs.peak > 0.0, perturbation.floor, 0.0)
     return runs.parted(other)
 
 
@@ -234,7 +241,7 @@ def _ensemble(found: Judgement, rows: Index, runs: Traces, again: Again, reach: 
             found.said[row] = f"none of {what} overturns, but they diverge: peaks theta/alpha differ by {apart:.2g}"
 
 
-def nudged(batch: Batch, rows: Index, factors: Array) -> Batch:
+def perturbed(batch: Batch, rows: Index, factors: Array) -> Batch:
     """Cases of a batch with their motion, and their initial state, multiplied by factors, (k,) each."""
     some = batch.rows(rows)
 

@@ -25,13 +25,13 @@ from rockcli.solvers.common.certainty import (
     Judgement,
     Traces,
     judge,
-    nudged,
+    perturbed,
 )
 from rockcli.solvers.contact.answers import answer
 from rockcli.solvers.contact.histories import held_histories, histories_of
 from rockcli.solvers.contact.run import Raw, run
 from rockcli.solvers.contact.turns import SAME_PASSAGE, only_rocks, solved
-from rockcli.solvers.event.nudges import finer_than, nudges
+from rockcli.solvers.event.perturbations import finer_than, perturbations
 from rockcli.solvers.event.record_lanes import FINEST_AGAIN, asked
 
 Array = NDArray[np.float64]
@@ -188,7 +188,7 @@ def _goes_by_turns(batch: Batch, level: Accuracy) -> bool:
 def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `raw`."""
     finer = finer_than(level)
-    first, second, reach = nudges(level, finer)
+    first, second, reach = perturbations(level, finer)
     turns = _goes_by_turns(batch, level)
     peaks = replace(
         batch, save=replace(batch.save, histories=False, scalars=frozenset({"theta_peak", "error_estimate"}))
@@ -200,14 +200,14 @@ def _judged(batch: Batch, raw: Raw, level: Accuracy) -> Judgement:
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         if fine and twins:
             return twins.pop()
-        others = nudged(peaks, rows, factors)
+        others = perturbed(peaks, rows, factors)
         how_well = finer if fine else level
         out = solved(others, how_well).out if turns and how_well.rtol >= FINEST_AGAIN else run(others, how_well).out
         return Traces.of_kernel(others, out, to)
 
     def refine(rows: Index) -> Traces:
-        if pairs:  # few: with their nudged runs they take half of the turns, and fill the lanes better
-            both = nudged(batch, np.tile(rows, 2), np.repeat([1.0, 1.0 - second.size], len(rows)))
+        if pairs:  # few: with their perturbed runs they take half of the turns, and fill the lanes better
+            both = perturbed(batch, np.tile(rows, 2), np.repeat([1.0, 1.0 - second.size], len(rows)))
             found = solved(both, finer)
             raw.put(rows, found.rows(np.arange(len(rows))))
             twins.append(Traces.of_kernel(both, found.out, to).rows(np.arange(len(rows), both.size)))

@@ -28,7 +28,7 @@ from rockcli.solvers.common.certainty import (
     Judgement,
     Traces,
     judge,
-    nudged,
+    perturbed,
 )
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
@@ -37,8 +37,8 @@ from rockcli.solvers.contact.solver import Opened, has_contact_forces, leaves_ro
 from rockcli.solvers.contact.turns import BESIDE, by_turns, can_take_turns
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event import record_lanes as lane_records
-from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import order_of, parameters_of, settings_of
+from rockcli.solvers.event.perturbations import finer_than, perturbations
 from rockcli.solvers.event.unpack import FORCES, Raw, friction_and_normal, histories_of, scalars_of
 from rockcli.solvers.rolling import solver as rolling_bodies
 
@@ -125,7 +125,7 @@ def _judged(
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         # the same bits compiled or not, so that an ensemble may be compiled where one run was not
         kernel = kernels.load(compile_them=kernels.pays(seconds * len(rows)))
-        others = nudged(peaks, rows, factors)
+        others = perturbed(peaks, rows, factors)
         packed = parameters_of(others)
         how_well = finer if fine else level
         if in_lanes and how_well.rtol >= lane_records.FINEST_AGAIN:
@@ -147,7 +147,7 @@ def _judged(
             run.put(rows, alone)
         return Traces.of_kernel(batch, run.out, to).rows(rows)
 
-    first, second, reach = nudges(level, finer)
+    first, second, reach = perturbations(level, finer)
     runs = Traces.of_kernel(batch, run.out, to)
     runs = replace(runs, verdict=np.where(leaves, NO_ANSWER, runs.verdict).astype(np.int8))
     return judge(runs, again, first, refine, second, reach)

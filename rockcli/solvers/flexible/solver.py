@@ -16,7 +16,7 @@ from rockcli.scene.constants import REARM
 from rockcli.scene.ground.excitation import Pulses, Samples, acceleration
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Perturbation, Traces, judge, perturbed
 from rockcli.solvers.common.duration import durations_of, output_times
 from rockcli.solvers.common.ground import channel_of, factors_of
 from rockcli.solvers.flexible.column import Prepared, RefusedError, first_state, key_of, prepare
@@ -28,7 +28,7 @@ Index = NDArray[np.int64]
 PULSE_STEPS, ROCKING_STEP = 60.0, 0.03
 """Steps per period of a pulse, and the longest step in units of 1/p, at accuracy `draft`."""
 
-NUDGE_OF_RECORDS = 1e-5
+PERTURBATION_OF_RECORDS = 1e-5
 """Under records the motion of the second run, and of an ensemble, differs by this share, and under pulses by that of
 the level: above the errors of the steps (docs/accuracy.md, docs/flexible.md), which records have at every level."""
 
@@ -74,18 +74,18 @@ def _judged(
     fineness = _fineness(batch.numerics)
     # a record's samples cap the step at every level: there a run with half of it tells
     sampled = any(isinstance(c, Samples) for c in (batch.excitation.horizontal, batch.excitation.vertical))
-    nudge = NUDGE_OF_RECORDS if sampled else batch.numerics.level.nudge
+    perturbation = PERTURBATION_OF_RECORDS if sampled else batch.numerics.level.perturbation
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         second = not fine
         other_step = (0.5 if sampled else 2.0) if second else 1.0
-        others = nudged(batch, rows, factors)
+        others = perturbed(batch, rows, factors)
         columns, said = [prepared[i] for i in rows], [refusals[i] for i in rows]
         run = _march(others, columns, other_step * fineness, histories=False, halved=sampled and second)
         return Traces.of(others, scalars_of(others, run, columns, said)[0])
 
     first = Traces.of(batch, scalars)
-    return judge(first, again, Nudge(nudge, WEIGHT), first.rows, None, nudge)
+    return judge(first, again, Perturbation(perturbation, WEIGHT), first.rows, None, perturbation)
 
 
 def _fineness(numerics: Numerics) -> float:

@@ -15,7 +15,7 @@ from rockcli.kernels.constants import FALLS, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.response import Response
-from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Nudge, Traces, judge, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Perturbation, Traces, judge, perturbed
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, from_beyond, note_unstored, rigid_top
 from rockcli.solvers.general import stepwise
@@ -119,7 +119,7 @@ def _judged(batch: Batch, settings: Settings, scalars: dict[str, NDArray[Any]]) 
     """What further runs show, each of another tolerance; the work of all is in the counts of the case."""
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
-        others = nudged(batch, rows, factors)
+        others = perturbed(batch, rows, factors)
         how, trajectories = _compared(settings), []
         for i, row in enumerate(rows):
             began = time.perf_counter()
@@ -131,7 +131,7 @@ def _judged(batch: Batch, settings: Settings, scalars: dict[str, NDArray[Any]]) 
         return Traces.of(others, _scalars(others, trajectories))
 
     first = Traces.of(batch, scalars)
-    return judge(first, again, Nudge(settings.rtol, weight=1.0), first.rows, None, settings.rtol)
+    return judge(first, again, Perturbation(settings.rtol, weight=1.0), first.rows, None, settings.rtol)
 
 
 def _solve_one(batch: Batch, i: int, how: Settings, *, histories: bool) -> tuple[Trajectory, Walker]:

@@ -2,9 +2,9 @@
 
 theta and its rate are integrated in one go from the instant the ground first exceeds the uplift threshold to the end of
 the report; until then the body stands, as (2.2) does not hold.  As sgn(0) = 0 would be neither side, the body starts
-with a rotation of NUDGE alpha to the side of the coming motion.  No impact is located, so there is no restitution, and
-the method meets every jump of the right-hand side unprepared.  The largest step is a tenth of the time to integrate, as
-in MATLAB, or the spacing of the samples of a record.
+with a rotation of PERTURBATION alpha to the side of the coming motion.  No impact is located, so there is no
+restitution, and the method meets every jump of the right-hand side unprepared.  The largest step is a tenth of the time
+to integrate, as in MATLAB, or the spacing of the samples of a record.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 LARGEST_STEP = 0.1
 """Largest step over the time to integrate."""
 
-NUDGE = 1e-10
+PERTURBATION = 1e-10
 """The rotation that gives the body its side, over alpha."""
 
 
@@ -73,7 +73,7 @@ def _first_uplift(body: Body, ground: Ground, trajectory: Trajectory) -> tuple[f
         if sign != 0.0:
             trajectory.rest(t)
             trajectory.t_uplift = t
-            return t, sign * NUDGE * body.edge(sign).alpha
+            return t, sign * PERTURBATION * body.edge(sign).alpha
         trajectory.rest(min(piece.t_b, ground.t_stop if ground.has_duration else ground.t_motion))
     trajectory.t_end = ground.t_stop if ground.has_duration else ground.t_motion
     return trajectory.t_end, 0.0

@@ -19,12 +19,12 @@ from rockcli.scene.body.lower_outline import Facets
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.response import MAX_IMPACTS_STORED, Response
-from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Traces, judge, nudged
+from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Traces, judge, perturbed
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.ground import channel_of
 from rockcli.solvers.contact.solver import Opened, with_contact
-from rockcli.solvers.event.nudges import finer_than, nudges
 from rockcli.solvers.event.pack import order_of, settings_of
+from rockcli.solvers.event.perturbations import finer_than, perturbations
 from rockcli.solvers.event.pulse_lanes import path_asked
 from rockcli.solvers.event.unpack import FORCES, Raw
 from rockcli.solvers.rolling import pulse_lanes, record_lanes
@@ -159,7 +159,7 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, way: str, s
 
     def again(rows: Index, factors: Array, fine: bool) -> Traces:
         kernels.load("rolling.march", compile_them=kernels.pays(seconds / batch.size * len(rows)))
-        others = nudged(peaks, rows, factors)
+        others = perturbed(peaks, rows, factors)
         its = facets_in(others)
         how_well = finer if fine else level
         its_way = _way(others) if way and not fine else ""
@@ -171,7 +171,7 @@ def _judged(batch: Batch, facets: Facets, level: Accuracy, run: Raw, way: str, s
             run.put(rows, _as_long(_run(some, facets_in(some), finer, "", histories=batch.save.histories), run))
         return traces_of(batch, facets, run.out).rows(rows)
 
-    first, second, reach = nudges(level, finer)
+    first, second, reach = perturbations(level, finer)
     found = judge(traces_of(batch, facets, run.out), again, first, refine, second, reach)
     # rotations were compared over that of the last barrier; the error is told of theta/alpha, as the peak is
     return replace(found, error=found.error * np.abs(facets.fall).min(axis=1) / batch.block.alpha.min(axis=1))

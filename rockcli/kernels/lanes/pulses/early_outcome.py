@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rockcli.kernels.constants import FALLS, RETURNS
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.ground import to_come
 from rockcli.kernels.lanes.vector import WIDTH
@@ -13,7 +13,7 @@ from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.march import OUTCOME
 
 
-@jit_lean
+@jit
 def judge(state, o, how, two_sided):
     """One vector: its energy against that of the equilibrium, with what the rest of the motion can still change."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
@@ -72,7 +72,7 @@ def judge(state, o, how, two_sided):
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))
 
 
-@jit_lean
+@jit
 def now(state, o, q, linear):
     """sin q and 1 - cos q of a vector; sets SINE and COSINE."""
     if linear:

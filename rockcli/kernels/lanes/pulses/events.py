@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rockcli.kernels.constants import NO_ROOT
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.series import look_along
 from rockcli.kernels.lanes.pulses.state import ORDER, STRIDE, series_of_a, series_of_q
@@ -15,7 +15,7 @@ PARTS = 8
 """Places of a step at which the rate is looked at where more than one turning point is possible."""
 
 
-@jit_lean
+@jit
 def find_impacts(state, poly, lanes, count):
     """First roots of q of the lanes that asked, WIDTH of them at a time."""
     for begin in range(0, count, WIDTH):
@@ -53,7 +53,7 @@ def find_impacts(state, poly, lanes, count):
                 state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.FOR_MARCH
 
 
-@jit_lean
+@jit
 def padded(lanes, begin, slots, space):
     """The next lanes of a list as a vector, the last repeated to fill it."""
     for j in range(WIDTH):
@@ -61,7 +61,7 @@ def padded(lanes, begin, slots, space):
     return load(space, 0)
 
 
-@jit_lean
+@jit
 def find_uplifts(state, two_sided, poly, lanes, count):
     """First time the ground lifts the resting lanes that asked, on either side."""
     for begin in range(0, count, WIDTH):
@@ -91,7 +91,7 @@ def find_uplifts(state, two_sided, poly, lanes, count):
                 state[i + lane.EVENT * WIDTH] = lane.NONE if root == NO_ROOT else lane.FOR_MARCH
 
 
-@jit_lean
+@jit
 def find_tops(state, tol, poly, lanes):
     """Turning points of the lanes that may have passed a higher one than before.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.series import look_along, value_and_slope
 from rockcli.kernels.lanes.pulses.state import ORDER, put, series_of_a, series_of_q
@@ -34,7 +34,7 @@ EXTREMES = (0.0, math.sqrt(3.0), math.sqrt(3.0 - math.sqrt(6.0)), math.sqrt(3.0 
 """|y| of the extremes of a bell: two of the even one, two of the odd one."""
 
 
-@jit_lean
+@jit
 def levers_of(state, o):
     """Of a vector, or of one gathered: sin alpha, cos alpha, s/R and g/R."""
     shake = load(state, o + lane.S * WIDTH) * load(state, o + lane.L_SHAKE * WIDTH)
@@ -44,7 +44,7 @@ def levers_of(state, o):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def forces_at(series, c, a, levers, y):
     """At y in the step under way: q, its rate and acceleration, sin q, cos q, a_g; T, N, the slope of N, and turn.
 
@@ -71,19 +71,19 @@ def forces_at(series, c, a, levers, y):
     return q, v, acc, sine, cosine, ground, T, N, dN, T * fma(dT, N, -T * dN)
 
 
-@jit_lean
+@jit
 def size_of(T, N):
     """|T|/N, infinite where nothing presses."""
     return select(N > 0.0, abs(T) / N, math.inf)
 
 
-@jit_lean
+@jit
 def slope_of_size(T, N, turn):
     """Of |T|/N."""
     return turn / (abs(T) * (N * N) + 1e-300)
 
 
-@jit_lean
+@jit
 def note_extremes(state, o, forces, where):
     """Raise the largest rate and friction, lower the smallest normal force."""
     v, T, N = forces[1], forces[6], forces[7]
@@ -95,7 +95,7 @@ def note_extremes(state, o, forces, where):
     store(state, o + lane.MU_MOST * WIDTH, select(where & (size > most), size, most))
 
 
-@jit_lean
+@jit
 def look_between(state, o, where, low, high, was, new, waiting, count, scratch):
     """Extremes between two places of which the slopes tell are to be sought; how many wait now."""
     speed, rate = abs(was[1]), load(state, o + lane.RATE_MAX * WIDTH)
@@ -120,7 +120,7 @@ def look_between(state, o, where, low, high, was, new, waiting, count, scratch):
     return count
 
 
-@jit_lean
+@jit
 def _let_wait(what, o, where, low, high, at_low, f_low, at_high, f_high, best, waiting, count, scratch):
     """Where a quantity may have a maximum above `best` between two places, it waits to be found; how many do now."""
     where = where & (f_low > 0.0) & (f_high < 0.0)
@@ -145,7 +145,7 @@ def _let_wait(what, o, where, low, high, at_low, f_low, at_high, f_high, best, w
     return count
 
 
-@jit_lean
+@jit
 def find_extremes(state, waiting, begin, slots, series):
     """Find the maxima of `slots` of those that wait, from `begin` on, by their slopes (Illinois method).
 
@@ -192,7 +192,7 @@ def find_extremes(state, waiting, begin, slots, series):
             put(state, i, lane.MU_UP, max(state[i + lane.MU_UP * WIDTH], size))
 
 
-@jit_lean
+@jit
 def narrowed(going, z, f, lo, hi, f_lo, f_hi, kept):
     """The bracket lo, hi of a fall through zero, and f there, with f at z inside; an end `kept` twice counts half."""
     below = f < 0.0
@@ -201,7 +201,7 @@ def narrowed(going, z, f, lo, hi, f_lo, f_hi, kept):
     return select(going & ~below, z, lo), select(going & below, z, hi), f_lo, f_hi, select(below, 1.0, -1.0)
 
 
-@jit_lean
+@jit
 def stood(state, i, table):
     """Lane i has been at rest until a bell lifted it."""
     until = table[4] * (state[i + lane.UP_T * WIDTH] - table[3])
@@ -210,7 +210,7 @@ def stood(state, i, table):
     put(state, i, lane.MU_MOST, max(largest, state[i + lane.L_GRIP * WIDTH]))
 
 
-@jit_lean
+@jit
 def largest_of_bell(table, end):
     """Largest |a_g| of a bell up to its y = end: there, where it begins, or at an extreme between."""
     even, odd = table[5], table[8]
@@ -224,14 +224,14 @@ def largest_of_bell(table, end):
     return most
 
 
-@jit_lean
+@jit
 def bell(even, odd, y):
     """a_g of a bell at y."""
     z = y * y
     return (even * (1.0 - z) + odd * y * (z - 3.0)) * math.exp(-0.5 * z)
 
 
-@jit_lean
+@jit
 def note_standing(state, o):
     """Friction |a_g|/g and weight of resting lanes on the step they are about to take, not of those lifted at once."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
@@ -260,7 +260,7 @@ def note_standing(state, o):
         low, was = high, new
 
 
-@jit_lean
+@jit
 def _top_of_ground(state, o, where, lo, hi, f_lo, f_hi):
     """Where maxima of |a_g| are, by their slopes, as in `find_extremes`."""
     going, z, kept = where, lo, spread(0.0)
@@ -276,21 +276,21 @@ def _top_of_ground(state, o, where, lo, hi, f_lo, f_hi):
     return z
 
 
-@jit_lean
+@jit
 def ground_at(state, o, y):
     """|a_g| of a vector at y in the step under way, and its slope."""
     ground, rise = value_and_slope(state, series_of_a(o), y)
     return abs(ground), select(ground > 0.0, rise, -rise)
 
 
-@jit_lean
+@jit
 def _is_most(state, o, size):
     """Where |a_g| = size needs more friction of a body that stands than was needed so far."""
     shake, weight = load(state, o + lane.L_SHAKE * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
     return size * shake > load(state, o + lane.MU_MOST * WIDTH) * weight
 
 
-@jit_lean
+@jit
 def _note_grip(state, o, size, where):
     """Raise the largest friction to that of a body that stands while |a_g| = size."""
     shake, weight = load(state, o + lane.L_SHAKE * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
@@ -298,14 +298,14 @@ def _note_grip(state, o, size, where):
     store(state, o + lane.MU_MOST * WIDTH, select(where & _is_most(state, o, size), size * shake / weight, most))
 
 
-@jit_lean
+@jit
 def bounces_matter(state, o, two_sided):
     """Lanes whose later swings, lower and free, may need more friction, or press less, than those so far."""
     matter = matter_about(state, o, o)
     return matter | matter_about(state, o, o + lane.TO_OTHER) if two_sided else matter
 
 
-@jit_lean
+@jit
 def matter_about(state, o, edge):
     """`bounces_matter` of the swings about the edge whose numbers stand at `edge`.
 

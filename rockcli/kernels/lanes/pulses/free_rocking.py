@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rockcli.kernels.constants import FAST, LEFT_TO_MARCH, MEANINGFUL
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, sqrt, store
@@ -23,7 +23,7 @@ BACKLOG = 16
 the other one, eta, the rates above which an impact is counted and above which it does not rest there, r0, rs, rc."""
 
 
-@jit_lean
+@jit
 def swing(v, r0, rs, rc, linear, going):
     """Time from take-off at rate v to the next impact, of bodies that are `going`."""
     down = r0 + rc
@@ -47,7 +47,7 @@ def swing(v, r0, rs, rc, linear, going):
     return time
 
 
-@jit_lean
+@jit
 def long_swing(v, r0, rs, rc, linear):
     """The same by a quadrature.
 
@@ -78,7 +78,7 @@ def long_swing(v, r0, rs, rc, linear):
     return 2.0 * v * total
 
 
-@jit_lean
+@jit
 def impacts_until(stop, t, v, edge, other, linear, path, going):
     """Impacts of bodies that take off at t with rate v, up to the time `stop`; -1: too many.
 
@@ -108,13 +108,13 @@ def impacts_until(stop, t, v, edge, other, linear, path, going):
     return select(going, -1.0, count), select(end < stop, end, stop), swung, swung_t
 
 
-@jit_lean
+@jit
 def rest_of(t, v, edge, other):
     """When bounces that begin with rate v about an edge at t have ended: a geometric series."""
     return t + 2.0 * v * (1.0 / (edge[3] + edge[5]) + other[0] / (other[3] + other[5])) / (1.0 - edge[0] * other[0])
 
 
-@jit_lean
+@jit
 def waiting_edge(backlog, first):
     """The numbers of an edge of the cases in the backlog."""
     return (
@@ -123,7 +123,7 @@ def waiting_edge(backlog, first):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def count_impacts(backlog, count, linear, two_sided, path, out):
     """Add to the results of the cases in the backlog the impacts they still have, and what goes with their `path`."""
     for j in range(count, WIDTH):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import exp, sqrt
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.state import ORDER, series_of_a
 from rockcli.kernels.lanes.vector import WIDTH
@@ -24,7 +24,7 @@ EXP_ERROR = 4e-16
 """Error of exp(-y^2/2)."""
 
 
-@jit_lean
+@jit
 def expand(state, o):
     """Coefficients about now of the vector at o.  BELL_E must be of now."""
     kind, t = load(state, o + lane.KIND * WIDTH), load(state, o + lane.T * WIDTH)
@@ -45,7 +45,7 @@ def expand(state, o):
         _waves(state, o, a, kind == WAVES, t)
 
 
-@jit_lean
+@jit
 def _waves(state, o, a, where, t):
     x = t - load(state, o + lane.C0 * WIDTH)
     for j in range(3):
@@ -62,7 +62,7 @@ def _waves(state, o, a, where, t):
                 store(state, a + k * WIDTH, load(state, a + k * WIDTH) + s)
 
 
-@jit_lean
+@jit
 def _bell(state, o, a, where, t):
     """D, a derivative of order m of exp(-y^2/2), obeys D'' + y D' + (m + 1) D = 0."""
     w = load(state, o + lane.C1 * WIDTH)
@@ -83,7 +83,7 @@ def _bell(state, o, a, where, t):
         store(state, a + (k + 1) * WIDTH, after)
 
 
-@jit_lean
+@jit
 def to_come(state, o, t):
     """Bounds of the integrals of a_g > 0 and of -a_g > 0 over what is left; sets BELL_E."""
     left = load(state, o + lane.L_BOUND * WIDTH) * (load(state, o + lane.L_END * WIDTH) - t)
@@ -101,7 +101,7 @@ def to_come(state, o, t):
     return plus, minus
 
 
-@jit_lean
+@jit
 def rest_of_bell(even, odd, y, e):
     """Integrals over y of a bell's positive and negative part from y on: between zeros, of the lower derivative."""
     rest = (odd * (y * y - 1.0) - even * y) * e
@@ -114,6 +114,6 @@ def rest_of_bell(even, odd, y, e):
     return up, up - rest + slack
 
 
-@jit_lean
+@jit
 def _positive(x):
     return select(x > 0.0, x, 0.0)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, RETURNS
-from rockcli.kernels.jit import entry, jit_lean, jit_part
+from rockcli.kernels.jit import entry, jit, jit_part
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import judge
 from rockcli.kernels.lanes.pulses.events import find_impacts, find_tops, find_uplifts
@@ -295,7 +295,7 @@ def work_space():
     )
 
 
-@jit_lean
+@jit
 def space_of(work):
     """The parts of the work space."""
     i = lane.VECTORS * STRIDE
@@ -310,7 +310,7 @@ def space_of(work):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def finish_case(state, i, cases, asked):
     """The case in lane i has its answer, or is left to `march`."""
     case = int(state[i + lane.CASE * WIDTH])
@@ -328,7 +328,7 @@ def finish_case(state, i, cases, asked):
     put(state, i, lane.EVENT, lane.IDLE)
 
 
-@jit_lean
+@jit
 def next_case(state, i, upcoming, screened, cases, asked):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     pars, tables, pieces, how, two_sided = cases.pars, cases.tables, cases.pieces, asked.how, asked.two_sided
@@ -360,7 +360,7 @@ def next_case(state, i, upcoming, screened, cases, asked):
     return upcoming, 0
 
 
-@jit_lean
+@jit
 def look(state, o, linear, two_sided, rolls, tol, work):
     """One vector: series, step, and what has to be looked at more closely."""
     mode, event = load(state, o + lane.MODE * WIDTH), load(state, o + lane.EVENT * WIDTH)
@@ -415,7 +415,7 @@ def look(state, o, linear, two_sided, rolls, tol, work):
     store(state, o + lane.N_STEPS * WIDTH, load(state, o + lane.N_STEPS * WIDTH) + 1.0)
 
 
-@jit_lean
+@jit
 def may_land(state, o, c, h, P, dP, M, reach):
     """Whether the polynomial of q at c, P and dP at h, may have a zero on (0, h]: |P''| <= M and |P| <= reach there.
 
@@ -435,7 +435,7 @@ def may_land(state, o, c, h, P, dP, M, reach):
     return (P <= 0.0) | (low & ~leads)
 
 
-@jit_lean
+@jit
 def advance(state, o, two_sided, rolls, path, rest_speed):
     """One vector: take the step, turn over at impacts, leave rest at uplifts."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
@@ -475,7 +475,7 @@ def advance(state, o, two_sided, rolls, path, rest_speed):
     store(state, o + lane.MODE * WIDTH, select(lifts, lane.ROCK, select(slow, lane.REST, mode)))
 
 
-@jit_lean
+@jit
 def only_bounces(state, o, tol, linear, two_sided):
     """Lanes that have just landed after the motion, and whose later swings are lower than the peak: only counted."""
     v, eta = load(state, o + lane.V * WIDTH), load(state, o + lane.L_ETA * WIDTH)
@@ -490,7 +490,7 @@ def only_bounces(state, o, tol, linear, two_sided):
     return lands
 
 
-@jit_lean
+@jit
 def swings_low(state, o, v, tol, linear):
     """Whether a swing that begins with rate v about the edge at o stays below the peak so far of its side."""
     q, star = load(state, o + lane.TOP * WIDTH), load(state, o + lane.L_STAR * WIDTH)
@@ -507,7 +507,7 @@ def swings_low(state, o, v, tol, linear):
     return low & (0.5 * v * v <= height * (1.0 + 1e-12 + 100.0 * tol))
 
 
-@jit_lean
+@jit
 def postpone(state, i, backlog, slot, two_sided, rest_speed):
     """Lane i is done but for its bounces, which are counted when a vector of such cases has come together."""
     state[i + lane.VERDICT * WIDTH], state[i + lane.EVENT * WIDTH] = 1.0 * RETURNS, lane.DONE
@@ -526,7 +526,7 @@ def postpone(state, i, backlog, slot, two_sided, rest_speed):
         backlog[b + 5 * WIDTH] = state[o + lane.L_RC * WIDTH]
 
 
-@jit_lean
+@jit
 def come_to_rest(state, i, par, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking (`rest_time`)."""
     right = state[i + lane.S * WIDTH] > 0.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, RETURNS
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.forces import (
@@ -32,7 +32,7 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import edge_of, potential
 
 
-@jit_lean
+@jit
 def enter_path(state, i, par, table, rolls, watch):
     """A body that stands, or has just been lifted, has been put into lane i."""
     for field in range(lane.RATE_MAX, lane.N_UP):
@@ -50,7 +50,7 @@ def enter_path(state, i, par, table, rolls, watch):
         stood(state, i, table)
 
 
-@jit_lean
+@jit
 def put_levers(state, i, edge, sine, cosine):
     """What forces about an edge need, sine and cosine those of its alpha."""
     put(state, i, lane.L_SIN, sine)
@@ -60,14 +60,14 @@ def put_levers(state, i, edge, sine, cosine):
     put(state, i, lane.L_GRIP, edge.threshold)
 
 
-@jit_lean
+@jit
 def is_followed(par, table, pieces):
     """Whether the path of a body is for lanes: one that stands at first, and that the ground may lift."""
     guard = par[at.G] * min(par[at.LEFT + at.THRESHOLD], par[at.RIGHT + at.THRESHOLD])
     return par[at.THETA_0] == 0.0 and par[at.THETA_DOT_0] == 0.0 and pieces > 0 and table[13] >= guard
 
 
-@jit_lean
+@jit
 def never_lifted(par, table, pieces, out):
     """Friction of a body that a bell does not lift, whose results `out` are else known; False if that is not known."""
     if pieces != 1 or table[2] != lane.BELL:
@@ -77,7 +77,7 @@ def never_lifted(par, table, pieces, out):
     return True
 
 
-@jit_lean
+@jit
 def follow(state, o, watch, two_sided, rolls, waiting, count, scratch):
     """One vector, before it takes its step: what happens on the way to X; how many extremes wait to be found.
 
@@ -114,13 +114,13 @@ def follow(state, o, watch, two_sided, rolls, waiting, count, scratch):
     return count
 
 
-@jit_lean
+@jit
 def add(state, o, field, value):
     """Add to one number of the vector at o."""
     store(state, o + field * WIDTH, load(state, o + field * WIDTH) + value)
 
 
-@jit_lean
+@jit
 def _look_along(state, o, going, may_pass, t, x, waiting, count, scratch):
     """Passages of the equilibrium, work and extremes of `follow`, from place to place; how many extremes wait."""
     star, s = load(state, o + lane.L_STAR * WIDTH), load(state, o + lane.S * WIDTH)
@@ -147,7 +147,7 @@ def _look_along(state, o, going, may_pass, t, x, waiting, count, scratch):
     return count
 
 
-@jit_lean
+@jit
 def _find_passage(state, o, may_pass, star, t, x):
     """Passages of the equilibrium alone, from place to place as in `_look_along`."""
     low = spread(0.0)
@@ -161,7 +161,7 @@ def _find_passage(state, o, may_pass, star, t, x):
         low, was = high, new
 
 
-@jit_lean
+@jit
 def _pass(state, o, over, star, t, low, high):
     """Where the equilibrium is passed between two places; sets OVER_T."""
     lo, hi = low, select(over, high, low)
@@ -181,7 +181,7 @@ def _pass(state, o, over, star, t, low, high):
     return z
 
 
-@jit_lean
+@jit
 def _keep_until(state, o, where, forces):
     """The extremes until the equilibrium is passed, with these forces there; those that wait follow when found."""
     note_extremes(state, o, forces, where)
@@ -190,7 +190,7 @@ def _keep_until(state, o, where, forces):
         store(state, o + until * WIDTH, select(where, load(state, o + field * WIDTH), kept))
 
 
-@jit_lean
+@jit
 def judge_path(state, o, how, two_sided, until_fall):
     """One vector: what is known once the motion has ended, and which lanes are done.
 
@@ -239,7 +239,7 @@ def judge_path(state, o, how, two_sided, until_fall):
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))
 
 
-@jit_lean
+@jit
 def leave_path(state, i, watch, two_sided, par, out):
     """What goes with the path of a case that leaves lane i."""
     out[to.T_OVERTURN] = state[i + lane.OVER_T * WIDTH]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, MEANINGFUL, NO_ROOT, NOT_YET, RETURNS, UNDECIDED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.events import padded
@@ -35,7 +35,7 @@ SLOWEST = 8.0
 """Impacts up to this many times the rest speed are looked at, as the ground's acceleration presses a body down too."""
 
 
-@jit_lean
+@jit
 def enter_rolling(state, i, body, g, path):
     """A body that stands, or has just been lifted, has been put into lane i as one on two edges."""
     put(state, i, lane.PEAK_LEFT, 0.0)
@@ -51,7 +51,7 @@ def enter_rolling(state, i, body, g, path):
     put_facet(state, i, body, g, int(body[at.STANDING]), state[i + lane.S * WIDTH], path)
 
 
-@jit_lean
+@jit
 def put_facet(state, i, body, g, facet, s, path):
     """Lane i turns about the end s of a facet; with what forces need where its `path` is followed."""
     tilt = body[at.FIRST + facet * at.FACET + at.TILT]
@@ -67,7 +67,7 @@ def put_facet(state, i, body, g, facet, s, path):
         put(state, o, lane.TOP, peak - abs(tilt) if side * tilt >= 0.0 else math.inf)
 
 
-@jit_lean
+@jit
 def put_end(state, i, body, end, s, path):
     """What goes with an end on the side s: its equilibrium is the last barrier on that side, or is of no account."""
     fall = body[at.FALL_RIGHT if s > 0.0 else at.FALL_LEFT]
@@ -87,7 +87,7 @@ def put_end(state, i, body, end, s, path):
         put_levers(state, i, end, end.fs, end.fc)
 
 
-@jit_lean
+@jit
 def find_touches(state, poly, lanes):
     """The next facet: first roots of extent - q of the lanes that may reach it; how many they are."""
     count = 0
@@ -118,7 +118,7 @@ def find_touches(state, poly, lanes):
     return count
 
 
-@jit_lean
+@jit
 def note_tops(state, i):
     """The peaks of the facet that lane i turns about become those of the body."""
     tilt = abs(state[i + lane.TILT * WIDTH])
@@ -130,7 +130,7 @@ def note_tops(state, i):
             put(state, i, lane.PEAK_RIGHT_T if right else lane.PEAK_LEFT_T, t)
 
 
-@jit_lean
+@jit
 def roll_over(state, i, body, g, path):
     """Lane i touches the next facet, or the ground where there is none: it has an impact there, at that facet's end.
 
@@ -164,7 +164,7 @@ def roll_over(state, i, body, g, path):
         carry_over(state, i, s, mass, rate, t)
 
 
-@jit_lean
+@jit
 def carry_over(state, i, s, mass, rate, t):
     """What the impact of lane i on the facet it has been put on carries and loses; mass: I/m before it."""
     eta, onto = state[i + lane.L_ETA * WIDTH], state[i + lane.L_MASS * WIDTH]
@@ -180,7 +180,7 @@ def carry_over(state, i, s, mass, rate, t):
         put(state, i, lane.ONTO_RIGHT if s > 0.0 else lane.ONTO_LEFT, 1.0)
 
 
-@jit_lean
+@jit
 def note_pushes(state, i, body):
     """Raise the ratio of the impulses to those of the landings of lane i on the facet it is about to leave."""
     first = at.FIRST + int(state[i + lane.FACET * WIDTH]) * at.FACET
@@ -192,7 +192,7 @@ def note_pushes(state, i, body):
         put(state, i, onto, 0.0)
 
 
-@jit_lean
+@jit
 def rest_on_facet(state, i, body, g, rest_speed, queue):
     """A slow impact of lane i, put into REST on trial: whether it stays there, or goes on rocking."""
     s, facet = state[i + lane.S * WIDTH], int(state[i + lane.FACET * WIDTH])
@@ -216,7 +216,7 @@ def rest_on_facet(state, i, body, g, rest_speed, queue):
         put(state, i, lane.EVENT, lane.FOR_MARCH)
 
 
-@jit_lean
+@jit
 def left_alone(state, o):
     """Lanes that move after the motion's end, and of which nobody knows what becomes."""
     event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
@@ -225,7 +225,7 @@ def left_alone(state, o):
     return going & over & (load(state, o + lane.VERDICT * WIDTH) == 1.0 * NOT_YET)
 
 
-@jit_lean
+@jit
 def roll_freely(state, i, body, g, margin, detail):
     """What becomes of such a lane."""
     verdict, rests_on, hits = free_rolling(
@@ -242,7 +242,7 @@ def roll_freely(state, i, body, g, margin, detail):
             put(state, i, lane.N_IMPACTS, state[i + lane.N_IMPACTS * WIDTH] + hits)
 
 
-@jit_lean
+@jit
 def may_only_bounce(state, o):
     """Lanes that have just landed after the motion and return: their later swings may need no steps."""
     lands = (load(state, o + lane.EVENT * WIDTH) == lane.IMPACT) & (load(state, o + lane.MODE * WIDTH) == lane.ROCK)
@@ -250,7 +250,7 @@ def may_only_bounce(state, o):
     return lands & (load(state, o + lane.T * WIDTH) >= load(state, o + lane.L_END * WIDTH))
 
 
-@jit_lean
+@jit
 def bounce(state, i, body, g, rest_speed, path, watch):
     """Such a lane is done where no later swing is higher than the peaks: its impacts are counted.
 
@@ -281,7 +281,7 @@ def bounce(state, i, body, g, rest_speed, path, watch):
         put(state, i, lane.PUSHED, max(state[i + lane.PUSHED * WIDTH], push))
 
 
-@jit_lean
+@jit
 def judge_rolling(state, o, how, path):
     """One vector: what becomes of it, and which lanes are done; with its `path` followed, none before the motion's end.
 
@@ -334,7 +334,7 @@ def judge_rolling(state, o, how, path):
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))
 
 
-@jit_lean
+@jit
 def foreseen(state, o, margin, q, v, sine, bend, plus, minus):
     """Which lanes return, and which fall, whatever the rest of the motion does: by their energy and the last barriers'.
 
@@ -357,7 +357,7 @@ def foreseen(state, o, margin, q, v, sine, bend, plus, minus):
     return returns, (v > 0.0) & ((inside & passes) | (~inside & (star > 0.0) & (v * keep > inward)))
 
 
-@jit_lean
+@jit
 def leave_rolling(state, i, body, g, path, out):
     """The peaks of a case that leaves lane i, and where it comes to rest."""
     if path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.state import ORDER, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
@@ -12,7 +12,7 @@ ONE = 4607182418800017408.0
 """The bits of 1.0 read as an integer."""
 
 
-@jit_lean
+@jit
 def flow(state, o, forced, work):
     """Coefficients of q of the vector at o; SINE and COSINE must be of now.  work: 3 (ORDER + 1) vectors.
 
@@ -50,7 +50,7 @@ def flow(state, o, forced, work):
         add(state, c, k, fma(along, force, fma(across, turned, pull)), work)
 
 
-@jit_lean
+@jit
 def flow_linear(state, o, forced, work):
     """`flow` with sin q -> q, cos q -> 1."""
     c, a = series_of_q(o), series_of_a(o)
@@ -71,7 +71,7 @@ def flow_linear(state, o, forced, work):
         add(state, c, k, moment, work)
 
 
-@jit_lean
+@jit
 def begin(state, o, c, moment, work):
     """The first three coefficients; a body about to be lifted is not pressed down by rounding."""
     v = load(state, o + lane.V * WIDTH)
@@ -84,7 +84,7 @@ def begin(state, o, c, moment, work):
     store(work, 2 * WIDTH, 2.0 * second)
 
 
-@jit_lean
+@jit
 def add(state, c, k, moment, work):
     """The coefficient of order k + 2 from that of the moment of order k; and of order k + 1 of the rate."""
     rate = moment * (-1.0 / (k + 1))
@@ -92,13 +92,13 @@ def add(state, c, k, moment, work):
     store(state, c + (k + 2) * WIDTH, rate * (1.0 / (k + 2)))
 
 
-@jit_lean
+@jit
 def rough_power(x, e):
     """x^e of x > 0 for |e| < 1, to a few per cent: the bits of a float are nearly its logarithm."""
     return from_bits(ONE + e * (bits_of(x) - ONE))
 
 
-@jit_lean
+@jit
 def reach_of(state, c, small, h):
     """Step, at most h, at which the last two terms of the series at c are below `small`."""
     for k in range(ORDER - 1, ORDER + 1):
@@ -109,7 +109,7 @@ def reach_of(state, c, small, h):
     return h
 
 
-@jit_lean
+@jit
 def value_and_slope(state, c, y):
     """Of the polynomial of the series at c, at y in the step under way."""
     P, dP = load(state, c + ORDER * WIDTH), spread(0.0)
@@ -119,7 +119,7 @@ def value_and_slope(state, c, y):
     return P, dP
 
 
-@jit_lean
+@jit
 def look_along(state, c, h):
     """(P(h), P'(h), bound of |P''|, bound of |P|) of the polynomial P at c, the bounds on [0, h]."""
     P = load(state, c + ORDER * WIDTH)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, NOT_YET
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
 from rockcli.kernels.lanes.vector.plain import load, select, some, store
@@ -72,25 +72,25 @@ FREE = -1.0
 """KIND after the motion's end."""
 
 
-@jit_lean
+@jit
 def series_of_q(o):
     """Where the coefficients of q of the vector or lane at o begin."""
     return o + FIELDS * WIDTH
 
 
-@jit_lean
+@jit
 def series_of_a(o):
     """Where the coefficients of a_g of the vector or lane at o begin."""
     return o + (FIELDS + ORDER + 5) * WIDTH
 
 
-@jit_lean
+@jit
 def put(state, i, field, value):
     """Write one number of lane i."""
     state[i + field * WIDTH] = value
 
 
-@jit_lean
+@jit
 def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplift, side, bell_e):
     """Put a case into lane i; False if it is not for lanes.
 
@@ -178,7 +178,7 @@ def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplif
     return True
 
 
-@jit_lean
+@jit
 def put_edge(state, i, edge, s, star):
     """What goes with an edge, that of the side s, with its equilibrium at `star`; without a peak."""
     g, p2 = edge.g, edge.p2
@@ -203,7 +203,7 @@ def put_edge(state, i, edge, s, star):
     put(state, i, L_PULL, math.sqrt(force))
 
 
-@jit_lean
+@jit
 def equilibrium(par, e, linear):
     """Energy of the equilibrium of an edge, as L_TOP has it."""
     star, p2 = par[e + at.Q_STAR], par[e + at.P2]
@@ -214,7 +214,7 @@ def equilibrium(par, e, linear):
     return potential(p2 * par[e + at.R0], p2 * par[e + at.RC], star, p2 * par[e + at.RS] * bend, sine)
 
 
-@jit_lean
+@jit
 def to_the_edge(state, o, fields):
     """Where a body of the vector at o is on the side of its other edge, so many `fields` of the two change places."""
     side = load(state, o + L_SIDE * WIDTH)
@@ -227,7 +227,7 @@ def to_the_edge(state, o, fields):
             store(state, there, select(over, one, other))
 
 
-@jit_lean
+@jit
 def next_piece(state, i, table, pieces):
     """The piece of the motion that lane i is in now, and its end."""
     t = state[i + T * WIDTH]
@@ -252,7 +252,7 @@ def next_piece(state, i, table, pieces):
         put(state, i, C0 + k, table[row + 3 + k])
 
 
-@jit_lean
+@jit
 def leave(state, i, two_sided, verdict, out):
     """Take the case out of lane i: its results in the layout of `march`."""
     s = state[i + S * WIDTH]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import RETURNS
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.pulses import state as lane
 from rockcli.kernels.lanes.pulses.ground import rest_of_bell
 from rockcli.kernels.lanes.pulses.series import ONE
@@ -34,7 +34,7 @@ STEEPEST = 9.5
 TO_LOGARITHM = math.log(2.0) / 2.0**52
 
 
-@jit_lean
+@jit
 def screen(screened, first, pars, tables, pieces, linear, doubt, early):
     """Screen cases `first` to `first` + WIDTH - 1.
 
@@ -47,7 +47,7 @@ def screen(screened, first, pars, tables, pieces, linear, doubt, early):
     _surely_returns(screened, linear, doubt, early)
 
 
-@jit_lean
+@jit
 def _put_in(screened, j, par, table, pieces):
     """One case into place j."""
     g, p2, star = par[at.G], par[at.RIGHT + at.P2], par[at.RIGHT + at.Q_STAR]
@@ -75,7 +75,7 @@ def _put_in(screened, j, par, table, pieces):
         screened[j + FROM * WIDTH] = w * (table[0] - t0)
 
 
-@jit_lean
+@jit
 def _first_uplift(screened):
     """First y at which |D(y)| = guard, D the bell: as |D''| <= M, by steps that cannot pass it, Newton's near it."""
     to_right, to_left = load(screened, GUARD * WIDTH), load(screened, GUARD_LEFT * WIDTH)
@@ -121,7 +121,7 @@ def _first_uplift(screened):
     store(screened, PULL * WIDTH, select(found, (plus + minus) * load(screened, PULL * WIDTH) / w, 0.0))
 
 
-@jit_lean
+@jit
 def _surely_returns(screened, linear, doubt, early):
     """Energy of the equilibrium, and whether what the motion can do at most, PULL by now, stays below it."""
     star = load(screened, STAR * WIDTH)
@@ -140,7 +140,7 @@ def _surely_returns(screened, linear, doubt, early):
     store(screened, KNOWN * WIDTH, select(known, 1.0, 0.0))
 
 
-@jit_lean
+@jit
 def leave_screened(screened, j, par, out):
     """Results of a case whose answer is known before it begins: it never moves, or cannot be overturned."""
     out[to.STATUS], out[to.N_STEPS], out[to.VERDICT] = 0.0, 0.0, RETURNS

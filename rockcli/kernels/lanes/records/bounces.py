@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from rockcli.kernels.constants import FAST
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.lanes.records.facets import SCALE, rolls, scales
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid.law import edge_of, pressed
@@ -57,7 +57,7 @@ def foot(par, e, s, a, slope, weight, lighter, fast):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def moment(one, y):
     """What presses a foot down."""
     return one.press + (one.push + one.trend * y)
@@ -72,14 +72,14 @@ def slowest(par, rest_speed, here, there):
     return rest_speed * min(here.p * math.sin(alpha), there.p * math.sin(alpha_o))
 
 
-@jit_lean
+@jit
 def slowest_rolling(par, rest_speed, here, there, y, p):
     """The same of a body that rolls, by what presses it down."""
     limit = uncounted(here.p, here.eta, there.p, there.eta, par[SCALE])
     return min(rest_speed * min(moment(here, y), moment(there, y)) / p, limit)
 
 
-@jit_lean
+@jit
 def in_all(here, there, v):
     """How long all bounces from a rate v on take while what presses the body down stays as it is."""
     per_cycle = here.eta * there.eta

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, FAST, LANDS, MEANINGFUL, NO_EVENT, NO_ROOT, RETURNS, TOPPLES, TOUCHES
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import BALLISTIC, BALLISTIC_AFTER, rolls
 from rockcli.kernels.lanes.records.forces import account, drive, drive_up, look_into, weigh_end, work_until
@@ -38,7 +38,7 @@ NOT_HERE = -1
 """In place of an event: what ends the step is for the kernel of a single body to find."""
 
 
-@jit_lean
+@jit
 def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a, a_v, hold, start, out, heave):
     """A rocking lane where it stops: before a sample that ends early, or at the end of the motion or of the report.
 
@@ -101,7 +101,7 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
     return finish(st, i, par, verdict, out)
 
 
-@jit_lean
+@jit
 def attend(
     st, i, par, bodies, how, values, slopes, blocks, tail, velocity, c, guard, sin_q, cos_q, a, a_v, force, hold, start,
     out, heave,
@@ -259,7 +259,7 @@ def strike(st, i, par, s, v, t, path, watch, out):
     turn(st, i, par, -s, out)
 
 
-@jit_lean
+@jit
 def lost(st, i, values, slopes, velocity, linear):
     """Whether lane i, beyond the equilibrium and going on, falls whatever the ground still does.
 

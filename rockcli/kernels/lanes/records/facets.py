@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.rigid import parameters as at
@@ -29,14 +29,14 @@ BALLISTIC, BALLISTIC_AFTER = 1e-2, 1e-4
 """Impacts slower than this fraction of p alpha bounce under a constant moment, during the motion and after it."""
 
 
-@jit_lean
+@jit
 def stand(par, body):
     """Write the facet on which a body stands, and what goes with the body, into its row."""
     par[FALL_LEFT], par[FALL_RIGHT], par[SCALE] = body[of.FALL_LEFT], body[of.FALL_RIGHT], body[of.SCALE]
     put_facet(par, body, int(body[of.STANDING]))
 
 
-@jit_lean
+@jit
 def put_facet(par, body, facet):
     """Write the ends of a facet into the row of a body that rolls."""
     g, first = par[at.G], of.FIRST + facet * of.FACET
@@ -57,19 +57,19 @@ def put_facet(par, body, facet):
     par[PUSH_RIGHT] = push_of(height, body[right + of.ETA], body[right + of.B], body[left + of.B])
 
 
-@jit_lean
+@jit
 def rolls(par):
     """Whether a row of parameters is of a body that rolls."""
     return len(par) > at.N_PAR
 
 
-@jit_lean
+@jit
 def risen(par):
     """How far the centre of mass stands above where it first stood."""
     return par[RISEN] if rolls(par) else 0.0
 
 
-@jit_lean
+@jit
 def note_pushes(st, i, par, out):
     """Raise the ratio of the impulses to those of the landings of lane i on the facet it is about to leave."""
     onto_left = st[lane.ONTO_LEFT + i] - st[lane.LEFT_BEFORE + i]
@@ -80,7 +80,7 @@ def note_pushes(st, i, par, out):
     st[lane.LEFT_BEFORE + i], st[lane.IMPACTS_BEFORE + i] = st[lane.ONTO_LEFT + i], st[lane.IMPACTS + i]
 
 
-@jit_lean
+@jit
 def scales(par, e, o):
     """What rates are measured by when the body leaves the edge e and lands on the edge o, and the other way round."""
     if rolls(par):
@@ -88,7 +88,7 @@ def scales(par, e, o):
     return math.sqrt(par[e + at.P2]) * par[e + at.ALPHA], math.sqrt(par[o + at.P2]) * par[o + at.ALPHA]
 
 
-@jit_lean
+@jit
 def top_of(par, s, out):
     """Rotation about the edge of side s up to which no peak counts."""
     peak = out[to.PEAK_RIGHT if s > 0.0 else to.PEAK_LEFT]
@@ -97,7 +97,7 @@ def top_of(par, s, out):
     return peak
 
 
-@jit_lean
+@jit
 def barrier_of(par, s):
     """Rotation about the end of side s at which the last barrier is passed, or -1 where it is not on the way."""
     extent, tilt = par[EXTENT_RIGHT if s > 0.0 else EXTENT_LEFT], par[TILT]
@@ -105,7 +105,7 @@ def barrier_of(par, s):
     return level if 0.0 < level < extent else -1.0
 
 
-@jit_lean
+@jit
 def face(st, i, par, s, out):
     """What goes with the edge of side s of a body whose edges differ, put on that side."""
     e, o = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import sin_cos
@@ -32,7 +32,7 @@ CLEAR = 1e-2
 share of what that does."""
 
 
-@jit_lean
+@jit
 def begin_watch(st, i, par, linear, q, v, a):
     """The constants of a body in lane i, and what it begins with: q, its rate v, and the ground a."""
     side = st[lane.SIDE + i] if q != 0.0 or v != 0.0 else 1.0
@@ -44,7 +44,7 @@ def begin_watch(st, i, par, linear, q, v, a):
         st[lane.LOST + i], st[lane.WORK + i] = -energy(edge, q, v, linear), a * drive(st, i, q, linear)
 
 
-@jit_lean
+@jit
 def watch_edge(st, i, par, s):
     """The constants of a body in lane i that turns about its edge on side s."""
     right, left = edge_of(par, at.RIGHT), edge_of(par, at.LEFT)
@@ -56,7 +56,7 @@ def watch_edge(st, i, par, s):
     st[lane.LOSS + i] = 0.5 * (inertia - other.radius / other.p2 * other.eta * other.eta)
 
 
-@jit_lean
+@jit
 def drive(st, i, q, linear):
     """G of lane i at q."""
     inertia = st[lane.INERTIA + i]
@@ -66,7 +66,7 @@ def drive(st, i, q, linear):
     return inertia * (st[lane.FORCING_C + i] * math.sin(q) + st[lane.FORCING_S + i] * 2.0 * half * half)
 
 
-@jit_lean
+@jit
 def drive_up(st, i, q, linear):
     """H of lane i at q, times the scale of the vertical motion over g."""
     free_0, free_s, free_c = st[lane.FREE_0 + i], st[lane.FREE_S + i], st[lane.FREE_C + i]
@@ -78,7 +78,7 @@ def drive_up(st, i, q, linear):
     return st[lane.INERTIA + i] * st[lane.HEAVE + i] * free
 
 
-@jit_lean
+@jit
 def forces_of(sin_b, cos_b, v, acc, jerk, shake, a, da, weight, change):
     """s T, N and their derivatives by (T9), over m R, of quantities of one unit of time: b = alpha - q.
 
@@ -94,7 +94,7 @@ def forces_of(sin_b, cos_b, v, acc, jerk, shake, a, da, weight, change):
     return T, N, dT, dN
 
 
-@jit_lean
+@jit
 def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least, most):
     """Where rate, normal force or friction have an extreme inside a step that may be the largest so far."""
     size = abs(T)
@@ -106,7 +106,7 @@ def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least
     return fast | light | rough
 
 
-@jit_lean
+@jit
 def at_end(d1, d2, d3, d4, d5, d6, d7, d8):
     """Rate, acceleration and its derivative at the end of a step, in units of it, from d_k = k c_k."""
     v = d1 + (d2 + ((d3 + d4) + ((d5 + d6) + (d7 + d8))))
@@ -115,7 +115,7 @@ def at_end(d1, d2, d3, d4, d5, d6, d7, d8):
     return v, acc, jerk
 
 
-@jit_lean
+@jit
 def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     """Which of WIDTH lanes may need more friction than they have, or leave the ground, in the steps they try.
 
@@ -133,7 +133,7 @@ def gives_way(st, i, s0, k0, s1, k1, a, a1, h, d1, d2, d3, d4, d5, d6, d7, d8):
     return may_give_way(st, i, d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1)
 
 
-@jit_lean
+@jit
 def may_give_way(st, i, v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
     """`gives_way` from rates, accelerations, forces and their derivatives at both ends of the steps."""
     most = load(st, lane.MU_HELD + i)
@@ -145,7 +145,7 @@ def may_give_way(st, i, v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
     return doubt
 
 
-@jit_lean
+@jit
 def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted):
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
@@ -188,7 +188,7 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
     return d1, d2, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1
 
 
-@jit_lean
+@jit
 def commit(st, i):
     """Count the work of the steps that WIDTH lanes have taken; which of them to look into."""
     taken = load(st, lane.H + i) < 0.0
@@ -196,7 +196,7 @@ def commit(st, i):
     return bits(taken & (load(st, lane.DOUBT + i) > 0.0))
 
 
-@jit_lean
+@jit
 def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end, rate, linear, heave):
     """`weigh` and `commit` for lanes that go as far as x, the fraction of a step, and to q = end: which to look into.
 
@@ -272,7 +272,7 @@ def weigh_landing(st, lanes, q, h, c1, c2, c3, c4, c5, c6, c7, c8, x, loss, end,
     return bits(doubt)
 
 
-@jit_lean
+@jit
 def work_until(st, i, x, c, sin_q, cos_q, linear):
     """Count the work of the step lane i has tried up to the fraction x of it; c: its coefficients."""
     total = total_up = 0.0
@@ -299,7 +299,7 @@ def work_until(st, i, x, c, sin_q, cos_q, linear):
         st[lane.WORK + i] += st[lane.INERTIA + i] * change * total_up
 
 
-@jit_lean
+@jit
 def look_into(st, i, par, s, x, space, force, a, a_v, out):
     """Extremes inside the step lane i has tried on side s, up to the fraction x of it."""
     h, scale = abs(st[lane.H + i]), 1.0
@@ -317,7 +317,7 @@ def look_into(st, i, par, s, x, space, force, a, a_v, out):
     st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i] = out[to.RATE_PEAK], out[to.N_MIN], out[to.MU]
 
 
-@jit_lean
+@jit
 def weigh_end(st, i, edge, s, q, v, shaken, lifted, linear):
     """What lane i has where its motion or its report ends, the ground's accelerations `shaken` and `lifted`.
 
@@ -334,7 +334,7 @@ def weigh_end(st, i, edge, s, q, v, shaken, lifted, linear):
     st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], abs(T) / N if N > 0.0 else math.inf)
 
 
-@jit_lean
+@jit
 def bounces_matter(st, i, par, s, a, da, w, dw, least, most):
     """Whether N/(m g) may be below `least`, or |T|/N above `most`, in small bounces.
 
@@ -357,14 +357,14 @@ def bounces_matter(st, i, par, s, a, da, w, dw, least, most):
     return False
 
 
-@jit_lean
+@jit
 def stood(st, i, par, most):
     """Lane i has been at rest while |a| was `most` at most."""
     st[lane.N_LEAST + i] = min(st[lane.N_LEAST + i], 1.0)
     st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], most * abs(par[at.FACTOR_H]) / par[at.G])
 
 
-@jit_lean
+@jit
 def account(st, i, par, left, out):
     """Results of lane i, whose body has the energy `left` over m g."""
     out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]

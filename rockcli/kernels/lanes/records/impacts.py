@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rockcli.kernels.constants import FAST, MEANINGFUL
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import weigh_landing
 from rockcli.kernels.lanes.vector import WIDTH
@@ -11,7 +11,7 @@ from rockcli.kernels.lanes.vector.fused import bits, gather, scatter
 from rockcli.kernels.lanes.vector.plain import fma, load, select, some, sqrt
 
 
-@jit_lean
+@jit
 def land(st, queue, j, path, watch, linear, onward, heave):
     """Take the lanes queue[j: j + WIDTH] to the first zero of their polynomials, turned over, or to their steps' ends.
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from rockcli.kernels.ahead import MATRIX, VECTOR
 from rockcli.kernels.constants import MAX_ORDER
-from rockcli.kernels.jit import entry, jit_lean, jit_part
-from rockcli.kernels.lanes.records import footholds, slips
+from rockcli.kernels.jit import entry, jit, jit_part
+from rockcli.kernels.lanes.records import slips, stick_slip
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.events import arrive, attend
 from rockcli.kernels.lanes.records.facets import BODY, stand
@@ -77,7 +77,7 @@ def march_lanes(pars, bodies, how, values, slopes, blocks, tail, velocity, spans
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def in_lanes(
     pars, bodies, how, values, slopes, blocks, tail, velocity, spans, two_sided, hold, starts, work, out, feet,
     slip_work, foot_work, nothing, felt, heave,
@@ -167,7 +167,7 @@ def fill(st, busy, following, slipping, waiting, cases, motions, how, two_sided,
             busy += 1
         else:
             if feet is not None:
-                footholds.count_in(feet[k], starts[k], out[k], felt[k])
+                stick_slip.count_in(feet[k], starts[k], out[k], felt[k])
             park(st, i)
     return busy, following, waiting
 
@@ -342,18 +342,18 @@ def close_gaps(st, busy, slipping, waiting, cases, motions, how, feet, slip_work
             k = int(left_by(st[lane.CASE + i]))
             if feet is not None:
                 j = slips.place(slipping)
-                contact_how, start = footholds.settings(how), cases.starts[k]
-                becomes = footholds.give_way(
+                contact_how, start = stick_slip.settings(how), cases.starts[k]
+                becomes = stick_slip.give_way(
                     st, i, slip_work[0], j, k, feet[k], contact_how, start, motions.values, motions.slopes,
                     foot_work, cases.out[k], felt[k],
                 )  # fmt: skip
-                if becomes == footholds.ELSEWHERE:
-                    becomes = footholds.follow(
+                if becomes == stick_slip.ELSEWHERE:
+                    becomes = stick_slip.follow(
                         feet[k], contact_how, cases.spans[k], start, motions.values, foot_work, nothing, felt[k]
                     )
-                if becomes == footholds.SLIPPING:
+                if becomes == stick_slip.SLIPPING:
                     slipping += 1
-                elif becomes == footholds.HOLDING:
+                elif becomes == stick_slip.HOLDING:
                     slip_work[2][waiting] = k
                     waiting += 1
             busy -= 1
@@ -366,7 +366,7 @@ def close_gaps(st, busy, slipping, waiting, cases, motions, how, feet, slip_work
     return busy, slipping, waiting
 
 
-@jit_lean
+@jit
 def left_by(k):
     """What marks a lane whose body k is done; of that, k again."""
     return -2.0 - k
@@ -378,7 +378,7 @@ def slip_on(count, waiting, slip_work, w, cases, motions, how, feet, nothing, fe
     sl, series, ready = slip_work
     _, _, spans, starts, _ = cases
     values, slopes, _, _, _ = motions
-    contact_how, watch, thinned = footholds.settings(how), how.detail == ALL, False
+    contact_how, watch, thinned = stick_slip.settings(how), how.detail == ALL, False
     for first in range(0, count, WIDTH):
         o = slips.place(first)
         calls, over, halved = slips.slide_on(sl, o, series, values, slopes, watch)
@@ -391,16 +391,16 @@ def slip_on(count, waiting, slip_work, w, cases, motions, how, feet, nothing, fe
             j = o + bit
             k = int(sl[slips.CASE + j])
             if (calls >> bit) & 1:
-                becomes = footholds.look_after(
+                becomes = stick_slip.look_after(
                     sl, j, feet[k], contact_how, starts[k], values, slopes, series, w, felt[k]
                 )
             else:
-                becomes = footholds.give_up(sl, j, feet[k], starts[k], felt[k])
-            if becomes == footholds.ELSEWHERE:
-                becomes = footholds.follow(feet[k], contact_how, spans[k], starts[k], values, w, nothing, felt[k])
-            if becomes != footholds.SLIPPING:
+                becomes = stick_slip.give_up(sl, j, feet[k], starts[k], felt[k])
+            if becomes == stick_slip.ELSEWHERE:
+                becomes = stick_slip.follow(feet[k], contact_how, spans[k], starts[k], values, w, nothing, felt[k])
+            if becomes != stick_slip.SLIPPING:
                 sl[slips.CASE + j], thinned = -1.0, True
-            if becomes == footholds.HOLDING:
+            if becomes == stick_slip.HOLDING:
                 ready[waiting] = k
                 waiting += 1
     number = 0
@@ -417,7 +417,7 @@ def slip_on(count, waiting, slip_work, w, cases, motions, how, feet, nothing, fe
     return count, waiting
 
 
-@jit_lean
+@jit
 def look_into_those(st, queue, j, count, doubtful, pars, guard, force, a, a_v, out):
     """`look_into` what `land` has taken of queue[j: count] and found doubtful."""
     while doubtful != 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import TILT, rolls, top_of
 from rockcli.kernels.lanes.vector import WIDTH
@@ -14,7 +14,7 @@ LAST = 1e-7
 """A step of Newton this small, relative, is the last: the next would be about its square."""
 
 
-@jit_lean
+@jit
 def top(st, i, par, both, tol, out):
     """Raise the peak to where the step that lane i has tried turns: its rate is positive first and then not.
 
@@ -51,7 +51,7 @@ def top(st, i, par, both, tol, out):
     note_height(st, i, par, q + height, t + x * abs(h), both, tol, out)
 
 
-@jit_lean
+@jit
 def note_height(st, i, par, q, t, both, tol, out):
     """Raise the peak to a turning point of lane i; `both`: the peaks of either side, not the larger alone."""
     s = st[lane.SIDE + i]

@@ -7,7 +7,7 @@ import math
 from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import FALLS, GIVES_WAY, LEFT_TO_MARCH, NOT_YET, RETURNS, STANDSTILL
 from rockcli.kernels.constants import FAST as COUNTED
-from rockcli.kernels.jit import jit_lean, jit_part
+from rockcli.kernels.jit import jit, jit_part
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.bounces import bounce_out, feet, in_all, slowest, weakest
 from rockcli.kernels.lanes.records.facets import (
@@ -56,7 +56,7 @@ NEAR = 1e-3
 """Bounces taken so reach no farther than this fraction of the turn to the next facet."""
 
 
-@jit_lean
+@jit
 def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, hold, start, out, heave):
     """Put a body into lane i, unless nothing ever lifts it: then it is FINISHED.
 
@@ -89,7 +89,7 @@ def begin(st, i, par, span, how, values, slopes, blocks, tail, path, two_sided, 
     return STANDING
 
 
-@jit_lean
+@jit
 def put_body(st, i, par, tol, path, two_sided):
     """What lane i knows of its body, and nothing found of it yet."""
     p2, eta, star = par[at.RIGHT + at.P2], par[at.RIGHT + at.ETA], par[at.RIGHT + at.Q_STAR]
@@ -117,7 +117,7 @@ def put_body(st, i, par, tol, path, two_sided):
     st[lane.SWINGS + i] = st[lane.SWINGS_T + i] = st[lane.LEFT_BEFORE + i] = st[lane.IMPACTS_BEFORE + i] = 0.0
 
 
-@jit_lean
+@jit
 def resume(st, i, par, how, values, slopes, blocks, tail, start, out, heave):
     """Put lane i where `start`, a row of `handover`, has its body."""
     first, dt, q, v = st[lane.FIRST + i], st[lane.DT + i], start[carry.Q], start[carry.V]
@@ -135,7 +135,7 @@ def resume(st, i, par, how, values, slopes, blocks, tail, start, out, heave):
     return STANDING
 
 
-@jit_lean
+@jit
 def set_off(st, i, par, how, values, watch, hold, out, heave):
     """Lane i moves at first."""
     lead = par[at.THETA_0] if par[at.THETA_0] != 0.0 else par[at.THETA_DOT_0]
@@ -155,7 +155,7 @@ def set_off(st, i, par, how, values, watch, hold, out, heave):
             st[lane.WORK + i] += heave[0][first] * drive_up(st, i, q, how.linear)
 
 
-@jit_lean
+@jit
 def aim(st, i, par, k):
     """Lane i is in sample k of its motion: how long that is, and the sample to stop before.
 
@@ -170,14 +170,14 @@ def aim(st, i, par, k):
             st[lane.LEN + i] = par[at.T_MOTION] - (last - 1.0 - st[lane.FIRST + i]) * dt
 
 
-@jit_lean
+@jit
 def ground(st, i, values, slopes):
     """a_g over its scale where lane i is."""
     k = int(st[lane.PIECE + i])
     return 0.0 if k > st[lane.LAST + i] else values[k] + slopes[k] * st[lane.X + i]
 
 
-@jit_lean
+@jit
 def turn(st, i, par, s, out):
     """Put lane i on side s."""
     e = at.RIGHT if s > 0.0 else at.LEFT
@@ -190,7 +190,7 @@ def turn(st, i, par, s, out):
             watch_edge(st, i, par, s)
 
 
-@jit_lean
+@jit
 def lift(st, i, par, watch, values, slopes, blocks, tail, out, heave):
     """From rest at a time in a sample: put lane i where it uplifts next, or FINISHED if it never does.
 
@@ -259,7 +259,7 @@ def stood_up_to(st, i, par, values, slopes, heave, k_0, x_0, k, x):
     stood(st, i, par, most)
 
 
-@jit_lean
+@jit
 def stay(st, i, par, watch, values, slopes, tail, k_0, x_0, out, heave):
     """Lane i is at rest from x_0 in sample k_0 to the end."""
     last, dt = int(st[lane.LAST + i]), st[lane.DT + i]
@@ -283,7 +283,7 @@ def stay(st, i, par, watch, values, slopes, tail, k_0, x_0, out, heave):
     return finish(st, i, par, RETURNS, out)
 
 
-@jit_lean
+@jit
 def loudest(values, slopes, k_0, x_0, k):
     """Largest modulus from x_0 in sample k_0 to the beginning of sample k."""
     most = abs(values[k_0] + slopes[k_0] * x_0)
@@ -292,7 +292,7 @@ def loudest(values, slopes, k_0, x_0, k):
     return most
 
 
-@jit_lean
+@jit
 def stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x):
     """Lane i has been at rest from x_0 in sample k_0 to x in sample k, lifted or pressed by the vertical motion.
 
@@ -306,13 +306,13 @@ def stood_through(st, i, par, values, slopes, heave, k_0, x_0, k, x):
         st[lane.MU_MOST + i] = max(st[lane.MU_MOST + i], abs(values[o] + slopes[o] * y) * shake / weight)
 
 
-@jit_lean
+@jit
 def lightest(st, i, most):
     """Bound of gravity over g under lane i while its vertical motion is `most` at most."""
     return 1.0 - abs(st[lane.HEAVE + i]) * most
 
 
-@jit_lean
+@jit
 def following(values, blocks, level, k, last, share, heave):
     """First sample from k on whose modulus reaches the level, or last + 1.
 
@@ -332,7 +332,7 @@ def following(values, blocks, level, k, last, share, heave):
     return k
 
 
-@jit_lean
+@jit
 def finish(st, i, par, verdict, out):
     """Note how it ended; a report of a given duration ends then, whatever became of the body."""
     if par[at.HAS_DURATION] == 1.0:
@@ -349,7 +349,7 @@ def finish(st, i, par, verdict, out):
     return FINISHED
 
 
-@jit_lean
+@jit
 def park(st, i):
     """Leave lane i without a body: in a sample without end, where no event comes of it, nor of the ground's force."""
     st[lane.CASE + i], st[lane.SHAKE + i] = -1.0, 0.0
@@ -361,14 +361,14 @@ def park(st, i):
     ] = 0.0
 
 
-@jit_lean
+@jit
 def hand_over(out):
     """Leave the body to the single-body kernels."""
     out[to.STATUS] = LEFT_TO_MARCH
     return FINISHED
 
 
-@jit_lean
+@jit
 def stop(st, i, par, how, values, slopes, start, out):
     """Leave the body to the kernel of contact where it is, as its foot may give way there."""
     piece, last = st[lane.PIECE + i], st[lane.LAST + i]
@@ -386,7 +386,7 @@ def stop(st, i, par, how, values, slopes, start, out):
     return FINISHED
 
 
-@jit_lean
+@jit
 def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave):
     """Whether the body of lane i, just turned over, comes to rest inside this sample; if so, what then.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.constants import FALLS, FAST, MEANINGFUL, NO_ROOT, RETURNS, UNDECIDED
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.facets import (
     BODY,
@@ -33,7 +33,7 @@ from rockcli.kernels.rolling.free_rolling import free_rolling
 from rockcli.kernels.rolling.law import end_of, energy
 
 
-@jit_lean
+@jit
 def time_of(st, i, par):
     """Where lane i is in the time of its body [s]."""
     piece = st[lane.PIECE + i]
@@ -43,7 +43,7 @@ def time_of(st, i, par):
     return begun + st[lane.X + i]
 
 
-@jit_lean
+@jit
 def touch_next(st, i, par, c, guard, x, reach):
     """Whether the next facet touches before the fraction x of the step that lane i tries, and where, or x.
 
@@ -60,7 +60,7 @@ def touch_next(st, i, par, c, guard, x, reach):
     return False, x
 
 
-@jit_lean
+@jit
 def passage_of(par, s, c, guard, x, reach):
     """The last outward passage of a last barrier up to the fraction x of a step, or NO_ROOT."""
     level = barrier_of(par, s)
@@ -73,7 +73,7 @@ def passage_of(par, s, c, guard, x, reach):
     return last_passage(guard, lane.ORDER, -level, x, 1)
 
 
-@jit_lean
+@jit
 def roll_over(st, i, par, bodies, values, slopes, path, watch, out):
     """Lane i has come to where the next facet touches, at the rate it has there: it turns about that one's far end.
 
@@ -115,14 +115,14 @@ def roll_over(st, i, par, bodies, values, slopes, path, watch, out):
     return STANDING
 
 
-@jit_lean
+@jit
 def energy_of(par, body, s, q, v):
     """Energy over m g of a body that turns about the end on side s of its facet, less that on the stand."""
     end = end_of(body, par[at.G], int(par[FACET]), s)
     return par[RISEN] + energy(end, q, v) - end.height
 
 
-@jit_lean
+@jit
 def arrive_rolling(st, i, par, bodies, how, values, out):
     """A lane at the end of its samples: the motion's, after which the outcome is known, or the report's."""
     body, g, facet = bodies[int(par[BODY])], par[at.G], int(par[FACET])
@@ -161,7 +161,7 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
     return hand_over(out)
 
 
-@jit_lean
+@jit
 def swings_lower(body, g, facet, s, q, v, out):
     """Whether no later swing of a body that returns is higher than its peaks."""
     if body[of.VALLEY] < 0.0 or body[of.LOSSLESS] == 1.0:
@@ -173,7 +173,7 @@ def swings_lower(body, g, facet, s, q, v, out):
     )
 
 
-@jit_lean
+@jit
 def bounce(st, i, par, bodies, rest_speed, path, watch, out):
     """Lane i has landed after the motion: FINISHED if no later swing is higher than the peaks, its impacts counted.
 

@@ -1,7 +1,7 @@
 """Bodies that slip while they turn, many at a time: the flow (K5, K6) from sample to sample (docs/contact.md).
 
 A slip lasts some ten samples, of which the first and the last hold events; those in between are told here, those two
-body by body (`footholds`).  Series are in the fraction of the step gone by, as in `step`.
+body by body (`stick_slip`).  Series are in the fraction of the step gone by, as in `step`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from rockcli.kernels.contact import workspace as row
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.step import HALF_PI
 from rockcli.kernels.lanes.vector import WIDTH
@@ -48,13 +48,13 @@ STIFF = 0.02
 """A of (K5) below which a body is left to the kernel of contact: where it vanishes the foot jams."""
 
 
-@jit_lean
+@jit
 def place(number):
     """Where the numbers of a body that slips begin."""
     return number // WIDTH * STRIDE + number % WIDTH
 
 
-@jit_lean
+@jit
 def clear(sl, i):
     """Leave place i without a body: on a step that is never fine enough to be taken."""
     for field in range(0, STRIDE, WIDTH):
@@ -63,7 +63,7 @@ def clear(sl, i):
     sl[i + CAP], sl[i + SMALL], sl[i + CASE] = 1.0, -1.0, -1.0
 
 
-@jit_lean
+@jit
 def expand(w, s0, k0, start, v, u, a, a1, g, way, grip, lever, k2, radius):
     """Series of WIDTH bodies into `w`, each over the fraction of a step.
 
@@ -116,7 +116,7 @@ def expand(w, s0, k0, start, v, u, a, a1, g, way, grip, lever, k2, radius):
         store(w, ANGLE + at + 2 * WIDTH, rate * (1.0 / (k + 2)))
 
 
-@jit_lean
+@jit
 def total(w, first, last):
     """Sum of the coefficients first ... last of WIDTH series."""
     up = load(w, last)
@@ -125,7 +125,7 @@ def total(w, first, last):
     return up
 
 
-@jit_lean
+@jit
 def sizes(w, first, last):
     """Sum of the moduli of the coefficients first ... last of WIDTH series."""
     up = abs(load(w, last))
@@ -134,7 +134,7 @@ def sizes(w, first, last):
     return up
 
 
-@jit_lean
+@jit
 def slope_at_end(w, first, n):
     """Derivative at the end of the step of WIDTH series of order n."""
     up = (1.0 * n) * load(w, first + n * WIDTH)
@@ -143,7 +143,7 @@ def slope_at_end(w, first, n):
     return up
 
 
-@jit_lean
+@jit
 def slide_on(sl, i, w, values, slopes, watch):
     """Step the WIDTH bodies from place i on: (bodies whose step may hold an event or an extreme, bodies at the end of
     their motion, bodies whose steps are too short), as bits; their series are left in `w`.
@@ -245,7 +245,7 @@ def slide_on(sl, i, w, values, slopes, watch):
     return bits(smooth & ~quiet), bits(over), bits(halved)
 
 
-@jit_lean
+@jit
 def copy_series(w, bit, h, everything, rows):
     """The series of one body, in powers of time, to the work space of the kernel of contact.
 
@@ -262,7 +262,7 @@ def copy_series(w, bit, h, everything, rows):
         copy(w, LEAN + bit, 8, h, 1.0 / h, rows[row.LEAN])
 
 
-@jit_lean
+@jit
 def copy(w, first, n, h, unit, into):
     """The n coefficients of one body from w[first] on, the first times `unit`."""
     for k in range(n):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.vector import WIDTH
 
 LANES = 256
@@ -56,7 +56,7 @@ STATE = 2 * VECTORS
 """Numbers in a state."""
 
 
-@jit_lean
+@jit
 def place(lane):
     """Where the numbers of a lane begin."""
     return lane // WIDTH * STRIDE + lane % WIDTH

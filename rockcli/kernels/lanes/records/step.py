@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.forces import gives_way, may_give_way, weigh
 from rockcli.kernels.lanes.vector import WIDTH
@@ -20,7 +20,7 @@ HALF_PI = 1.5707963267948966
 I2, I3, I4, I5, I6, I7, I8 = (1.0 / k for k in range(2, 9))
 
 
-@jit_lean
+@jit
 def advance(st, i, values, slopes, watch, hold, heave):
     """Step WIDTH lanes from lane i on; what comes back is said in `settle`.
 
@@ -90,7 +90,7 @@ def advance(st, i, values, slopes, watch, hold, heave):
     return settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
-@jit_lean
+@jit
 def advance_linear(st, i, values, slopes, watch, heave):
     """`advance` for the linear law: sin q is q, cos q is 1; its forces without a vertical motion alone."""
     q, v, x, piece = load(st, lane.Q + i), load(st, lane.V + i), load(st, lane.X + i), load(st, lane.PIECE + i)
@@ -128,7 +128,7 @@ def advance_linear(st, i, values, slopes, watch, heave):
     return settle(st, i, q, v, x, piece, full, cap, h, h < 0.0, d1, d2, d3, d4, d5, d6, d7, d8)
 
 
-@jit_lean
+@jit
 def gravity(st, i, heave, piece, x, h):
     """The vertical motion where WIDTH lanes start their steps, and its slope; gravity over g there, and its change."""
     pitch, share = gather(heave[1], piece), load(st, lane.HEAVE + i)
@@ -136,7 +136,7 @@ def gravity(st, i, heave, piece, x, h):
     return a_v, pitch, fma(share, a_v, 1.0), share * (pitch * h)
 
 
-@jit_lean
+@jit
 def settle(st, i, q, v, x, piece, full, cap, h, weak, d1, d2, d3, d4, d5, d6, d7, d8):
     """Move WIDTH lanes to the end of their steps: (lanes that call for attention, those of them that have moved,
     those that may touch the base and nothing else, those that turn where the peak may be, those that may touch the next

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import factorial, pi
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.vector.plain import fma
 
 S3, S5, S7, S9, S11, S13, S15, S17, S19, S21 = ((-1.0) ** (k // 2) / factorial(k) for k in range(3, 22, 2))
@@ -26,7 +26,7 @@ PI_REST = 1.2246467991473532e-16
 """What a double leaves of pi."""
 
 
-@jit_lean
+@jit
 def sin_cos(x):
     """(sin x, cos x) for |x| <= pi/2, to 2e-16: their series to x^21 and x^22."""
     z = x * x
@@ -40,7 +40,7 @@ def sin_cos(x):
     return fma(x * z, s, x), fma(z, c, 1.0)
 
 
-@jit_lean
+@jit
 def sin_cos_of_any(x):
     """(sin x, cos x) for |x| < 1e8, to 2e-16 beside the rounding of x: reduced to |x| <= pi/2 first."""
     n = (x * ONE_OVER_PI + ROUND) - ROUND
@@ -50,7 +50,7 @@ def sin_cos_of_any(x):
     return sign * s, sign * c
 
 
-@jit_lean
+@jit
 def exp_of_negative(x):
     """exp(x) for -50 <= x <= 0, to 4e-16 absolute.
 

@@ -6,14 +6,14 @@ Coefficients of order k stand at [k * WIDTH].  A lane that has found its root st
 from __future__ import annotations
 
 from rockcli.kernels.constants import NO_ROOT
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import fma, load, select, some, spread, sqrt
 
 LOST = -2.0
 
 
-@jit_lean
+@jit
 def first_root(c, n, h):
     """(x, slope there): smallest x in [0, h] where the polynomial is not positive, NO_ROOT if there is none.
 
@@ -52,7 +52,7 @@ def first_root(c, n, h):
     return found, dP
 
 
-@jit_lean
+@jit
 def turning_point(c, n, lo, hi):
     """(x, value there) where P' changes sign from > 0 at lo to <= 0 at hi: Newton kept inside the bracket."""
     x = 0.5 * (lo + hi)

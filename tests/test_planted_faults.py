@@ -18,8 +18,8 @@ import rolling_cases
 import swept
 from analytic import test_asymmetric as asymmetric
 from cli import test_sweep
-from contact import test_contact_calming as calming
 from contact import test_contact_closed_forms as contact
+from contact import test_contact_decay as decay
 from contact import test_contact_turns as turns_of_contact
 from contact_tables import LANDINGS, SLIDES_UNDER_A_CONSTANT
 from cross import test_lanes_pulses as lanes_pulses
@@ -162,7 +162,7 @@ def planar_contact() -> None:
 
 
 def swings_left_out() -> None:
-    calming.test_as_followed_to_the_rest(0)
+    decay.test_as_followed_to_the_rest(0)
 
 
 def flexible() -> None:
@@ -344,7 +344,7 @@ FAULTS = {
     "slips in lanes: normal force": Fault(
         slips, K + "lanes.records.slips", "held = 1.0 + stiff, held + g", "held = 1.0 + stiff, held + 1.01 * g"
     ),
-    "slips in lanes: parts": Fault(slips, K + "lanes.records.footholds", "sl[slips.WORK + j] - energy_on_edge(par, foot)", "sl[slips.WORK + j]"),
+    "slips in lanes: parts": Fault(slips, K + "lanes.records.stick_slip", "sl[slips.WORK + j] - energy_on_edge(par, foot)", "sl[slips.WORK + j]"),
     "contact: sign": Fault(planar_contact, K + "contact.flows", "-(a[k] + mu * foot.sigma * W[k])", "-(a[k] - mu * foot.sigma * W[k])"),
     "contact: restitution": Fault(
         planar_contact, K + "contact.impacts", "dw = -(h * f + place) / rg2", "dw = -(h * f + 0.99 * place) / rg2"
@@ -355,8 +355,8 @@ FAULTS = {
         "b_i, b_j, place = par[i + at.B], par[j + at.B], par[j + at.PLACE]",
         "b_i, b_j, place = par[i + at.B], -par[j + at.B], par[j + at.PLACE]",
     ),
-    "contact: time of a swing": Fault(swings_left_out, K + "contact.calming", "- 2.0 * p2 * cos_a * u", "- 1.99 * p2 * cos_a * u"),
-    "contact: swings counted": Fault(swings_left_out, K + "contact.calming", "if counts(par, -foot.s, v)", "if counts(par, -foot.s, v / 3.0)"),
+    "contact: time of a swing": Fault(swings_left_out, K + "contact.decay", "- 2.0 * p2 * cos_a * u", "- 1.99 * p2 * cos_a * u"),
+    "contact: swings counted": Fault(swings_left_out, K + "contact.decay", "if counts(par, -foot.s, v)", "if counts(par, -foot.s, v / 3.0)"),
     "column: sign": Fault(flexible, K + "column.law", "- g * theta - a * cos)", "+ g * theta - a * cos)"),
     "column: restitution": Fault(flexible, K + "column.automaton", "        v[m] *= par[at.ETA]\n", "        v[m] *= 1.0\n"),
     "column: no reset": Fault(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rockcli.scene.looks import Look
 
 
-def dress(figure: Figure, look: Look, kind: str) -> None:
+def apply_look(figure: Figure, look: Look, kind: str) -> None:
     """Give a figure the labels, limits and letters that are wanted.
 
     Raises:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 
 
-@jit_lean
+@jit
 def waits(data, factor, pieces, i, low, high):
     """The first piece from i on at one of whose ends the ground's acceleration is not within low, high; or `pieces`."""
     while i < pieces:
@@ -25,8 +25,8 @@ def waits(data, factor, pieces, i, low, high):
     return pieces
 
 
-@jit_lean
-def glide(end, s, data, dt, factor, pieces, i, t, q, v, small, level, ceiling):
+@jit
+def step_over_samples(end, s, data, dt, factor, pieces, i, t, q, v, small, level, ceiling):
     """Steps to the ends of pieces i, i + 1, ... of a record; return (how many, t, q, v).
 
     level: turn at which the last barrier is passed, none if not between 0 and the extent; ceiling: q up to which a

@@ -10,15 +10,15 @@ from rockcli.kernels.contact.events import landed
 from rockcli.kernels.contact.readings import counts, energy_on_edge, note_carried, note_impact
 from rockcli.kernels.contact.rest import frequency, slowest
 from rockcli.kernels.contact.state import Foot, edge_under
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.quadrature import LOW, NODES, POINTS, WEIGHTS
 
 SURELY = 1.0 - 1e-9
 """A bound must hold by more than rounding."""
 
 
-@jit_lean
-def calms_down(par, foot, out):
+@jit
+def only_decays(par, foot, out):
     """Whether a body that rocks over ground at rest only calms down: its foot holds (K15), and it gets no further.
 
     No impact gives energy, so that it does not get beyond where it was on either side, of which `out` tells.
@@ -42,7 +42,7 @@ def calms_down(par, foot, out):
     return True
 
 
-@jit_lean
+@jit
 def shows_more(par, foot, out):
     """Whether free swings may yet take the top of such a body farther, or press it less on the ground, than so far.
 
@@ -63,7 +63,7 @@ def shows_more(par, foot, out):
     return False
 
 
-@jit_lean
+@jit
 def swung(par, scales, t, foot, rest_speed, impacts, out):
     """A body that only calms down, just after a landing at t, some swings on: (t, foot, energy lost in landings).
 

@@ -41,7 +41,7 @@ from rockcli.kernels.contact.rest import scales_of, settles
 from rockcli.kernels.contact.selection import on_base, on_edge, stiffness
 from rockcli.kernels.contact.state import Ahead, Air, Foot, Settings, edge_under
 from rockcli.kernels.contact.steps import first_event, next_step
-from rockcli.kernels.jit import jit_lean
+from rockcli.kernels.jit import jit
 from rockcli.kernels.lanes.records import slips
 from rockcli.kernels.lanes.records import state as lane
 from rockcli.kernels.lanes.records.slips import copy_series
@@ -55,14 +55,14 @@ ENDED, SLIPPING, HOLDING, ELSEWHERE = range(4)
 """What becomes of a body: it is done, goes on slipping, holds again, or is for the kernel of contact to follow."""
 
 
-@jit_lean
+@jit
 def settings(how):
     """`Settings` of the kernel of contact for those of lanes."""
     everything = how.detail == ALL
     return Settings(how.tol, how.rest_speed, how.max_steps, how.order, everything, everything, True)
 
 
-@jit_lean
+@jit
 def follow(par, how, span, start, values, w, nothing, out):
     """Let the kernel of contact follow a body until its foot has held for a while, or it is done."""
     first, last = int(span[0]), int(span[1])
@@ -74,7 +74,7 @@ def follow(par, how, span, start, values, w, nothing, out):
     return HOLDING if out[to.STATUS] == HOLDS else ENDED
 
 
-@jit_lean
+@jit
 def count_in(par, start, part, out):
     """Add what lanes have found of a body to its results; LEFT_TO_MARCH is one of which they do not know the end."""
     add_part(par, start[carry.SLIDE], part, out)
@@ -82,7 +82,7 @@ def count_in(par, start, part, out):
         out[to.STATUS] = LEFT_TO_MARCH
 
 
-@jit_lean
+@jit
 def give_way(st, i, sl, j, k, par, how, start, values, slopes, w, part, out):
     """What becomes of the body that lane i has stopped, or is done with; if it slips, it is put in place j of `sl`.
 
@@ -118,7 +118,7 @@ def give_way(st, i, sl, j, k, par, how, start, values, slopes, w, part, out):
     return go(sl, j, par, how, scales, ROCK, foot, step, ahead, start, w, out)
 
 
-@jit_lean
+@jit
 def look_after(sl, j, par, how, start, values, slopes, series, w, out):
     """What becomes of a body that slips, the step of which in `series` may hold an event or an extreme."""
     scales, ahead = scales_of(par, how.tol), look_ahead(sl, j, par, values, slopes, w)
@@ -130,14 +130,14 @@ def look_after(sl, j, par, how, start, values, slopes, series, w, out):
     return go(sl, j, par, how, scales, SLIDE_ROCK, foot, step, ahead, start, w, out)
 
 
-@jit_lean
+@jit
 def foot_of(sl, j):
     """The body at place j."""
     side, sigma, q, v = sl[slips.SIDE + j], sl[slips.SIGMA + j], sl[slips.Q + j], sl[slips.V + j]
     return Foot(side, sigma, q, v, sl[slips.U + j], sl[slips.SLIDE + j])
 
 
-@jit_lean
+@jit
 def look_ahead(sl, j, par, values, slopes, w):
     """What lies ahead of a body in its sample."""
     k, x = int(sl[slips.PIECE + j]), sl[slips.X + j]
@@ -148,13 +148,13 @@ def look_ahead(sl, j, par, values, slopes, w):
     return Ahead(time_of(sl, j) + left, left, 1, True, False)
 
 
-@jit_lean
+@jit
 def time_of(sl, j):
     """Time of a body [s]."""
     return (sl[slips.PIECE + j] - sl[slips.FIRST + j]) * sl[slips.DT + j] + sl[slips.X + j]
 
 
-@jit_lean
+@jit
 def go(sl, j, par, how, scales, mode, foot, step, ahead, start, w, out):
     """Take a body to the end of its step, its event or not, and see to that."""
     if step.event == DIVERGES:
@@ -219,7 +219,7 @@ def go(sl, j, par, how, scales, mode, foot, step, ahead, start, w, out):
     return leave(sl, j, par, foot, becomes, start, out)
 
 
-@jit_lean
+@jit
 def put(sl, j, par, scales, foot, launch, out):
     """Put a body that begins to slip, or to slip about another edge, into its place."""
     e = edge_under(foot.s)
@@ -233,7 +233,7 @@ def put(sl, j, par, scales, foot, launch, out):
     place_at(sl, j, foot, launch, out)
 
 
-@jit_lean
+@jit
 def place_at(sl, j, foot, launch, out):
     """Where a body that slips is, and what may be extreme from there on."""
     sl[slips.SIGMA + j], sl[slips.SIDE + j], sl[slips.LAUNCH + j] = foot.sigma, foot.s, launch
@@ -244,7 +244,7 @@ def place_at(sl, j, foot, launch, out):
     )  # fmt: skip
 
 
-@jit_lean
+@jit
 def leave(sl, j, par, foot, becomes, start, out):
     """Take a body out of its place, and write down where it goes on."""
     t = time_of(sl, j)
@@ -259,7 +259,7 @@ def leave(sl, j, par, foot, becomes, start, out):
     return becomes
 
 
-@jit_lean
+@jit
 def give_up(sl, j, par, start, out):
     """Leave a body that slips to the kernel of contact where it is: the motion ends, or its steps are too short."""
     out[to.N_MIN] = min(out[to.N_MIN], sl[slips.N_LEAST + j])
