@@ -13,7 +13,17 @@ from rockcli.scene.constants import STANDARD_G
 
 ACCELERATION = "m s-2"
 
-_WORDS = {"1": "", "m s-2": " m/s²", "m s-1": " m/s"}
+_WRITTEN = {
+    "1": "",
+    "s-1": "Hz",
+    "rad s-1": "rad/s",
+    "m s-1": "m/s",
+    "m s-2": "m/s²",
+    "m2 s-2": "m²/s²",
+    "kg m-3": "kg/m³",
+    "N m-3": "N/m³",
+}
+"""Units of datasets that people write otherwise."""
 
 
 def g_of(case: Mapping[str, Any], varied: Iterable[str]) -> float:
@@ -48,6 +58,11 @@ class Units:
 SI = Units()
 
 
+def written(unit: str) -> str:
+    """A unit of a dataset as people write it."""
+    return _WRITTEN.get(unit, unit)
+
+
 def unit_words(unit: str) -> str:
-    """A unit after a number, for people."""
-    return _WORDS.get(unit, f" {unit}")
+    """A unit after a number, for people; "" where there is no dimension."""
+    return f" {written(unit)}".rstrip()

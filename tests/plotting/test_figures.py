@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 
 import rockcli
 from rockcli.plotting import figures
-from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, variable_label
+from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, unit_in_brackets, variable_label
 from rockcli.plotting.kinds.map import is_log, plane
 from rockcli.scene.variables import VARIABLES
+from rockcli.study.document.paths import UNITS
 from rockcli.study.schema import PLOTS
 
 ALPHA, P = np.arctan(0.2), 1.2
@@ -205,6 +206,16 @@ def test_labels() -> None:
     assert coordinate_label(labelled, "model", 3) == "model 3"
     for name in VARIABLES:
         assert variable_label(name)
+
+
+def test_units_are_written_as_people_write_them() -> None:
+    pulse = {"shape": "ricker", "a_p": 3.0, "f_p": 1.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    dataset = rockcli.run({"name": "u", "case": case, "vary": {"motion.pulse.f_p": [1.0, 2.5]}})
+    assert axis_label(dataset, "f_p") == "$f_p$ [Hz]"
+    assert coordinate_label(dataset, "f_p", 1) == "$f_p$ = 2.5 Hz"
+    written = {unit: unit_in_brackets(unit) for unit in UNITS.values()}
+    assert not any("-" in shown for shown in written.values()), written
 
 
 def test_accelerations_are_in_the_g_of_the_case() -> None:

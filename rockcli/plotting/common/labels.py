@@ -11,7 +11,7 @@ import numpy as np
 from rockcli.plotting.common.case_settings import resolved_case
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.response import SLIDING
-from rockcli.scene.units import Units, g_of
+from rockcli.scene.units import Units, g_of, unit_words, written
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -55,12 +55,10 @@ _POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
 _ENDING = re.compile(r"\.(at2|csv|txt|dat|acc|smc|v1a?|v2a?|mseed|asc|th)$", re.I)
 """Of files of records."""
 
-_UNITS = {"1": "", "m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "m2 s-2": "m²/s²", "N m": "N m"}
-
 
 def unit_in_brackets(unit: str) -> str:
     """` [m/s²]`, or nothing where there is no dimension."""
-    shown = _UNITS.get(unit, unit)
+    shown = written(unit)
     return f" [{shown}]" if shown else ""
 
 
@@ -207,10 +205,8 @@ def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
     if isinstance(value, (str, np.str_)):
         label = _label(str(value))
         return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
-    unit = shown_unit(dataset, axis)[1]
-    shown = _UNITS.get(unit, unit)
     number = number_words(float(axis_values(dataset, axis)[position]))
-    return f"{axis_symbol(dataset, axis)} = {number}" + (f" {shown}" if shown else "")
+    return f"{axis_symbol(dataset, axis)} = {number}{unit_words(shown_unit(dataset, axis)[1])}"
 
 
 def number_words(value: float) -> str:
