@@ -202,7 +202,7 @@ def _march(stretch: Stretch, lam: Complex, z: Complex, beaten: Array) -> tuple[C
     x = states.imag / lam.imag
     top = np.argmax(np.abs(x), axis=0)
     column = np.arange(len(lam))
-    extreme, when = x[top, column], stretch.start + stretch.h * top
+    extreme, when = x[top, column], np.asarray(stretch.start + stretch.h * top, dtype=float)
     v = states.real + lam.real * x
     resolved = np.abs(lam) * stretch.h <= 2.0 * np.pi / POINTS_PER_PERIOD * (1.0 + 1e-9)
     # where the rate changes sign and the larger end could rise above what is known

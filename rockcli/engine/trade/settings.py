@@ -94,10 +94,10 @@ def model_word(pair: Pair) -> str:
 def _stepping(numerics: Numerics, batch: Batch, factor: float) -> Numerics:
     """A time step for the batch, `factor` times the finest that any of its cases takes by itself."""
     if numerics.backend == "event":
-        steps = 0.03 / batch.p.max()
+        steps = 0.03 / float(batch.p.max())
         if isinstance(batch.excitation.horizontal, Pulses):
             steps = min(steps, 2.0 * np.pi / float(batch.excitation.horizontal.omega_p.max()) / 60.0)
-        return replace(numerics, dt=factor * float(steps))
+        return replace(numerics, dt=factor * steps)
     if numerics.backend == "calculix":
         from rockcli.solvers.calculix.case import largest_step
 
