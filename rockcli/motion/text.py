@@ -58,6 +58,9 @@ Blanks are not tried again (`*+`): of `time` and a hundred tabs there are millio
 _CHARACTERS = re.compile(r"[0-9.eEdD+\-,;\s]*", re.ASCII)
 _NUMBERED = re.compile(r"\s*[+-]?\d[0-9.eEdD+\-,;\s]*", re.ASCII)
 _ONE_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*")
+_PAIRS_OF_COMMAS = re.compile(r"\s*[+-]?\d+,\d+(?:,[+-]?\d+,\d+)+,?\s*")
+_PADDED = re.compile(r",0\d")
+"""In whole numbers with commas between: no whole number is written 05, decimals behind a comma are."""
 _BLANK_OF_SAC = re.compile(rb"-12345(?:\.0*)?(?![\d.])")
 
 
@@ -127,6 +130,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
     if len(heads) > 1:
         raise RecordError("its columns are named twice; leave this line out", name, heads[1])
     named = bool(heads)
+    _refuse_decimal_commas(lines, name)
     if columns != 2 and named:
         raise RecordError(f"its head names two columns, time and acceleration, and it has {columns}", name)
     first = numbers.values[::columns]
@@ -161,6 +165,14 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         return Text(numbers.values, float(dt), unit, (), begins)
     row_major = f"values read line by line, {columns} on each"
     return Text(numbers.values, float(dt), unit, (row_major,), begins, _side_by_side(numbers.values, columns))
+
+
+def _refuse_decimal_commas(lines: list[str], name: str) -> None:
+    """Say of columns such as `0,01,0,0012` that commas stand between them and before decimals."""
+    read = [line for line in lines if line.strip() and not _COMMENT.match(line) and not _HEAD.fullmatch(line)]
+    if all(map(_PAIRS_OF_COMMAS.fullmatch, read)) and (padded := next(filter(_PADDED.search, read), "")):
+        said = f"commas stand before decimals and between columns, {padded.strip()}: write decimals with a point"
+        raise RecordError(said, name, lines.index(padded) + 1)
 
 
 def _refuse_count(numbers: Numbers, lines: list[str], name: str) -> None:

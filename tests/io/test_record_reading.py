@@ -643,6 +643,17 @@ def test_semicolons_and_decimal_commas_are_told_under_any_head(write):
     refused(write(column), "write decimals with a point", units="g", dt=0.01)
 
 
+@pytest.mark.parametrize("head", ["", "time,acceleration\n"])
+def test_commas_before_decimals_and_between_columns_are_told(write, head):
+    rows = "".join(f"0,{i:02d},0,{i * i % 97:04d}\n" for i in range(40))
+    file = write((head + rows).encode())
+    with pytest.raises(RecordError, match=r"0,00,0,0000: write decimals with a point") as caught:
+        read_record(file, units="g", dt=0.01)
+    assert caught.value.line == 1 + head.count("\n")
+    counts = "".join(f"{i * i % 97},{i % 5},{-i},12\n" for i in range(40)).encode()
+    assert read_record(write(counts), units="g", dt=0.01).processing[0] == "values read line by line, 4 on each"
+
+
 def test_a_head_without_numbers(tmp_path):
     with pytest.raises(RecordError, match="no number follows"):
         columns(tmp_path, HEADED.split("\n")[0] + "\n")
