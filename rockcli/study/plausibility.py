@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.laws.models import MODELS
+from rockcli.study.building.body_mesh import DENSITIES
+from rockcli.study.building.body_outline import BLOCK
 from rockcli.study.building.floors import THROUGH
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
@@ -151,6 +153,19 @@ def doubt_friction(numbers: Numbers, batch: Batch) -> None:
     if (mu > ROUGH).any():
         most = int(np.nanargmax(mu))
         numbers.doubts[f"a mu is {mu[most]:.4g}: if per cent are meant, write {mu[most]:.4g}/100"] = most
+
+
+def doubt_density(numbers: Numbers) -> None:
+    """Note in `numbers.doubts` a density that nothing a body is made of has."""
+    parts = len(numbers.said((*BLOCK, "parts")) or ())
+    at = [(*BLOCK, "density"), *((*BLOCK, "parts", j, "density") for j in range(parts)), ("case", "column", "rho")]
+    for values in (numbers.array(density) for density in map(numbers.value, at) if density is not None):
+        least, most = int(values.argmin()), int(values.argmax())
+        if values[least] < DENSITIES[0]:
+            said = f"a density is {values[least]:.4g} kg/m³: if t/m³ or g/cm³ are meant, write {values[least]:.4g}*1000"
+            numbers.doubts[said] = least
+        elif values[most] > DENSITIES[1]:
+            numbers.doubts[f"a density is {values[most]:.4g} kg/m³: is it in kg/m³?"] = most
 
 
 def _suspects(batch: Batch) -> Iterator[Batch]:

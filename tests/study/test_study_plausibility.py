@@ -30,6 +30,23 @@ class TestDoubts:
         assert any("a mu is 60: if per cent are meant, write 60/100" in one for one in said) is doubted
 
     @pytest.mark.parametrize(
+        ("density", "words"),
+        [
+            (2650, ""),
+            (15, ""),
+            (2.65, "a density is 2.65 kg/m³: if t/m³ or g/cm³ are meant, write 2.65*1000"),
+            (2.65e6, "a density is 2.65e+06 kg/m³: is it in kg/m³?"),
+        ],
+    )
+    def test_a_density_in_other_units(self, density, words):
+        outline = [[-0.3, 0], [0.3, 0], [0.2, 1.8], [-0.2, 1.8]]
+        part = {"outline": outline, "density": density, "depth": 0.5}
+        column = {"model": "flexible", "damping": "none", "column": {"E": 1e9, "rho": density}}
+        for case in ({"block": {**part}}, {"block": {"parts": [part]}}, {"block": BLOCK, **column}):
+            doubts = [one for one in warnings_of({"motion": {"pulse": SINE}, **case}) if "density" in one]
+            assert [words in one for one in doubts] == [True] * bool(words)
+
+    @pytest.mark.parametrize(
         ("limit", "words"),
         [
             (0.5, ""),

@@ -17,7 +17,7 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
 from rockcli.study.falling_ground import FallingGround
-from rockcli.study.plausibility import STILL, Uplift, doubt_friction, doubt_size, plausibility_warnings
+from rockcli.study.plausibility import STILL, Uplift, doubt_density, doubt_friction, doubt_size, plausibility_warnings
 
 Array = NDArray[np.float64]
 
@@ -86,6 +86,7 @@ class Found:
         self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
         doubt_size(numbers, batch)
         doubt_friction(numbers, batch)
+        doubt_density(numbers)
         self.doubts |= {said: numbers.named(i) for said, i in numbers.doubts.items() if said not in self.doubts}
         self.uplift.look(batch)
         self.falling.look(batch)
