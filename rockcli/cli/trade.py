@@ -27,7 +27,12 @@ def trade(
     ] = None,
     sample: Annotated[int, typer.Option("--sample", metavar="N", min=1, help="Cases measured, at most.")] = 20,
     budget: Annotated[
-        str, typer.Option("--budget", metavar="TIME", help="Time for all that is measured, such as 60s, '5 min', 1h.")
+        str,
+        typer.Option(
+            "--budget",
+            metavar="TIME",
+            help="Time for all that is measured, such as 60s, '5 min', 1h; a setting once begun is finished.",
+        ),
     ] = "60s",
     every: Annotated[bool, typer.Option("--all", help="List every setting, not only the Pareto front.")] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
