@@ -2,8 +2,8 @@
 
     python benchmarks/startup.py
 
-`rock --help` against a bare typer program with one command, and one pulse case without plots and with its two figures.
-Writes results/startup.csv.
+`rock --help` against a bare typer program with one command; one pulse case, and a map of 1e6 outcomes, without plots
+and with their figures.  Writes results/startup.csv.
 """
 
 from __future__ import annotations
@@ -37,6 +37,16 @@ def bye(name: str = "you"):
 app()
 """
 
+MAP = """\
+name: map
+case: {block: {R: 2, tan_alpha: 0.2}, motion: {pulse: {shape: ricker, omega_p_over_p: 2, a_p_over_g_tan_alpha: 2}}}
+vary:
+  motion.pulse.a_p_over_g_tan_alpha: {from: 0.5, to: 6, n: 1000}
+  motion.pulse.omega_p_over_p: {from: 0.5, to: 8, n: 1000}
+save: {scalars: [outcome]}
+plots: [map]
+"""
+
 
 def seconds(command: list[str]) -> float:
     began = time.perf_counter()
@@ -49,12 +59,16 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         bare = Path(folder) / "bare.py"
         bare.write_text(BARE)
-        case = [rock, "run", str(STUDY), "--fresh", "--quiet", "--out", folder]
+        outcomes = Path(folder) / "map.yaml"
+        outcomes.write_text(MAP)
+        case, sweep = ([rock, "run", str(study), "--fresh", "--quiet", "--out", folder] for study in (STUDY, outcomes))
         commands = {
             "bare typer program --help": [sys.executable, str(bare), "--help"],
             "rock --help": [rock, "--help"],
             "one pulse case, --no-plots": [*case, "--no-plots"],
             "one pulse case, two figures": case,
+            "1e6 outcomes, --no-plots": [*sweep, "--no-plots"],
+            "1e6 outcomes, their map": sweep,
         }
         times: dict[str, list[float]] = {name: [] for name in commands}
         for _ in range(RUNS + 1):
