@@ -250,6 +250,8 @@ def test_the_column_that_is_no_prediction_is_named_where_nothing_is_left(rock, t
         (("study.yaml", "lost.csv"), "lost.csv:2: the record 'nowhere.txt'"),
         (("pulse.yaml", "runs.csv"), "the motions are the records of the runs"),
         (("scaled.yaml", "runs.csv"), "column `scale`"),
+        (("filtered.yaml", "runs.csv"), "follow from the body"),
+        (("floor.yaml", "runs.csv"), "follow from the body"),
     ],
 )
 def test_bad_input_is_one_error_and_writes_nothing(rock, experiments, tmp_path, capsys, arguments, words):
@@ -258,6 +260,11 @@ def test_bad_input_is_one_error_and_writes_nothing(rock, experiments, tmp_path, 
     (tmp_path / "pulse.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | pulse}))
     scaled = {"motion": {"record": {"units": "g", "dt": DT, "pga": 3}}}
     (tmp_path / "scaled.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | scaled}))
+    record = {"units": "m/s2", "dt": DT}
+    filtered = {"motion": {"record": record | {"highpass": "0.3*p"}}}  # of a block of R = 1 m, that nobody gave
+    (tmp_path / "filtered.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | filtered}))
+    floor = {"motion": {"record": record, "through": [{"T": "2/p", "zeta": 0.05}]}}
+    (tmp_path / "floor.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | floor}))
     before = set(tmp_path.iterdir())
     assert rock("score", *arguments) == 2
     said = capsys.readouterr()

@@ -180,6 +180,24 @@ def _check(where: Source, tree: Map, runs: Runs) -> None:
                 )
 
 
+def _check_motion(
+    source: Path | dict[str, Any], runs: Runs, first: Samples, bodies: tuple[tuple[Index, Batch], ...]
+) -> None:
+    """`StudyError` unless the first run shakes every body as it would any other."""
+    for _, batch in bodies:
+        own = batch.excitation.horizontal
+        assert isinstance(own, Samples)
+        if own.dt == first.dt and np.array_equal(own.values, first.values):
+            continue
+        where, tree = _read(source, runs)
+        raise where.error(
+            tree,
+            ("case", "motion"),
+            "has a record or floors whose numbers follow from the body or from what is varied; "
+            "a run has one motion for all bodies, so give plain numbers",
+        )
+
+
 def _motions(runs: Runs) -> list[tuple[str, float]]:
     """Every record with its scale, once."""
     return list(dict.fromkeys(zip(runs.record, runs.scale.tolist(), strict=True)))
@@ -255,7 +273,7 @@ def simulate(
     An uncertain outcome counts by the share of its ensemble at a single amplitude; of several, those beside tell it.
 
     Raises:
-        StudyError, RecordError: as `bodies_of`.
+        StudyError, RecordError: as `bodies_of`; what becomes of a record hangs on the body or on what is varied.
         SolverError: no solver knows the model.
         MachineError: the machine refused what a run needs.
     """
@@ -265,6 +283,7 @@ def simulate(
     which = [places.setdefault(id(channel), len(places)) for channel in channels]
     distinct = list({id(channel): channel for channel in channels}.values())
     batches = tuple((np.asarray(indices), batch) for indices, batch in study.batches())
+    _check_motion(source, runs, channels[0], batches)
     work = Shaking(batches, tuple(distinct), study.size)
     chunks, share, done = Chunks(len(distinct)), np.empty((len(distinct), study.size)), 0
     for cases, answer in answers(work, chunks, Pace(_SECONDS * study.size, len(distinct)), team or Team()):
