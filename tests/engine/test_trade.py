@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,6 +18,8 @@ from rockcli.engine.report_page import write_page
 from rockcli.engine.trade import record_sampling as sampling
 from rockcli.engine.trade import trade as measuring
 from rockcli.engine.trade.measurements import front
+from rockcli.engine.trade.sampled_cases import Sample
+from rockcli.engine.trade.settings import numerical
 from rockcli.engine.trade.trade import trade
 from rockcli.engine.trade.trade_results import contents_of, write_trade
 from rockcli.errors import StudyError
@@ -25,6 +28,7 @@ from rockcli.scene.backends import BACKENDS
 from rockcli.scene.ground.excitation import Samples
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.general import methods
+from rockcli.solvers.opensees.script import script_of
 from rockcli.storage.read import open_dataset, to_xarray
 from rockcli.study.open import open_study
 
@@ -123,6 +127,16 @@ def test_a_spike_on_an_odd_sample_is_the_whole_error_when_halved(tmp_path):
     assert point.answers.outcome[0] == NO_UPLIFT
     assert point.error[0] == pytest.approx(-truth, rel=1e-9)
     assert (point.wrong, point.compared) == (1, 1)
+
+
+def test_scripts_of_opensees_under_a_record_have_plain_numbers(tmp_path):
+    """A step of numpy made every case fail: its repr is `np.float64(...)`, and scripts know no `np`."""
+    pair = ("3", "corotational")
+    batch = Sample(under(tmp_path, 4.0 * np.sin(np.arange(61) / 5.0)), 1).first(pair)
+    ((coarsest, *_),) = numerical(batch, pair, frozenset({"opensees"}))
+    text = script_of(coarsest.of(batch), 0).files["case.py"]
+    assert re.search(r"^DT = \d+\.\d+", text, re.MULTILINE), text
+    assert "np." not in text
 
 
 @pytest.mark.parametrize("n", [64, 75])

@@ -65,7 +65,7 @@ def default_dt(batch: Batch, case: int) -> float:
             dt = min(dt, 2.0 * np.pi / float(channel.omega_p[case]) / 2000.0)
         elif channel is not None:
             dt = min(dt, channel.dt / np.ceil(channel.dt / min(dt, channel.dt / 10.0)))
-    return dt * batch.numerics.level.penalty_step
+    return float(dt * batch.numerics.level.penalty_step)
 
 
 def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -> CaseOfFrame:
