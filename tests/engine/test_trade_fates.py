@@ -249,7 +249,7 @@ def test_a_setting_that_solves_no_case_is_said(monkeypatch):
     )
     label = "numerics: rigid: event, rtol 0.0001"
     assert [left for left in trade(open_study(under(1.5)), backends=EVENT).skipped if "numerics" in left[0]] == [
-        (label, "no sampled case has an outcome")
+        (label, "no sampled case has an outcome: no")
     ]
 
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(eq=False)
 class Answers:
-    """Outcome, peak, steps and right-hand sides over the sampled cases, (n,) each."""
+    """Outcome, peak, steps and right-hand sides over the sampled cases, (n,) each; `why`: what the first says."""
 
     outcome: NDArray[np.int8]
     peak: Array
@@ -25,6 +25,7 @@ class Answers:
     rhs: Array
     seconds: float = 0.0
     cases: int = 0
+    why: str = ""
 
     @classmethod
     def none(cls, n: int) -> Answers:
@@ -34,6 +35,7 @@ class Answers:
     def put(self, rows: Index, response: Response) -> None:
         """Take the answers of some cases."""
         self.outcome[rows] = response.scalars["outcome"]
+        self.why = self.why or next(filter(None, response.reasons), "")
         self.peak[rows] = response.scalars["theta_peak_over_alpha"]
         for values, name in ((self.steps, "n_steps"), (self.rhs, "n_rhs")):
             if name in response.scalars:

@@ -231,7 +231,8 @@ def _measure_all(
                 last[number] = setting, measured.seconds
                 answers[setting.label] = measured
                 if (measured.outcome < NO_UPLIFT).all():  # it has no error, so no table shows it
-                    found.skipped.append((setting.label, "no sampled case has an outcome"))
+                    why = "no sampled case has an outcome"
+                    found.skipped.append((setting.label, f"{why}: {measured.why}" if measured.why else why))
         except SolverError as refused:
             found.skipped.append((setting.label, str(refused)))
         if progress is not None:
