@@ -6,11 +6,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from rockcli.scene.auto import AUTO
-from rockcli.scene.laws.models import DEFORMABLE, MODELS
+from rockcli.scene.laws.models import DEFAULT_GEOMETRY, DEFORMABLE, MODELS
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import CasePart
-
-DEFAULT_GEOMETRY = "negative_stiffness"
 
 
 def check_curves(source: Source, study: Map, models: Iterable[tuple[str, str | None]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from scipy.integrate import quad
 
 import rockcli
 from rockcli.plotting import figures
@@ -215,6 +217,42 @@ def test_a_body_that_rolls_strikes_where_its_facets_are() -> None:
     rolling, turning = figures.figure("phase", dataset).axes
     dashed = [sum(line.is_dashed() for line in axes.lines) for axes in (rolling, turning)]
     assert dashed == [0, 4]
+
+
+def test_the_separatrix_is_that_of_the_model() -> None:
+    """Energy of model 2, whose base spring keeps its moment and whose weight pulls at h, by quadrature."""
+    alpha, turned = 0.6, 0.3
+    case = {"block": {"R": 1.0, "alpha": alpha}, "geometry": "corotational", "initial": {"theta": "0.9*alpha"}}
+    panels = figures.figure("phase", rockcli.run({"case": case, "vary": {"model": [2, "linearized", "rigid"]}})).axes
+    by_default = case | {"model": 2, "geometry": None}  # negative stiffness, the energy of the block
+    panels += figures.figure("phase", rockcli.run({"case": by_default})).axes
+    top = np.arcsin(np.tan(alpha))
+    left = quad(lambda q: np.sin(alpha) - np.cos(alpha) * np.sin(q), turned, top)[0]
+    block = 2.0 * np.sin(0.5 * (alpha - turned))
+    wanted = [np.sqrt(2.0 * left), alpha - turned, block, block]
+    shown = [axes for axes in panels if axes.axison]
+    for axes, rate in zip(shown, wanted, strict=True):
+        dashed = [line for line in axes.lines if line.is_dashed()]
+        assert len(dashed) == 4
+        for line in dashed:
+            x, y = np.abs(np.asarray(line.get_data(), dtype=float))
+            assert np.interp(turned / alpha, x, y) == pytest.approx(rate / alpha, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("case", "vary"),
+    [
+        ({"model": 3, "geometry": "corotational"}, {"block.alpha": [0.9]}),  # never overturns
+        ({"model": "flexible", "column": {"E": "5*GPa", "rho": 2500}}, {"block.alpha": [0.2]}),
+        ({}, {"case": {"a block": {}, "model 1": {"model": 1, "geometry": "corotational"}}}),  # labels do not say which
+    ],
+    ids=["no equilibrium", "column", "settings"],
+)
+def test_no_separatrix_where_none_is_known(case: dict[str, Any], vary: dict[str, Any]) -> None:
+    made = {"block": {"R": 3.0, "alpha": 0.2}, "initial": {"theta_dot": "0.6*p*alpha"}, "motion": {"duration": 1}}
+    figure = figures.figure("phase", rockcli.run({"case": made | case, "vary": vary}))
+    assert not any(line.is_dashed() for axes in figure.axes for line in axes.lines)
+    assert "separatrix" not in figure.get_suptitle()
 
 
 @pytest.mark.parametrize(("n", "marked"), [(20, True), (40, False)])

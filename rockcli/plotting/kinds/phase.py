@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.boundaries import rolls
+from rockcli.plotting.common.case_law import model_of
 from rockcli.plotting.common.cases import (
     Array,
+    Shown,
     outcome_at,
     pick,
     reference_words,
@@ -32,6 +34,7 @@ from rockcli.plotting.common.style import (
     width_or,
 )
 from rockcli.scene.body.block import LEFT, RIGHT
+from rockcli.scene.laws.models import Model
 
 if TYPE_CHECKING:
     import xarray
@@ -83,13 +86,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
             panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
-    turns_on_two = [not rolls(dataset.isel(case.place)) for case in shown]
-    wide = bool(reach[:2].max() > _WIDE) and any(turns_on_two)
+    models = [_falls_by(dataset, case) for case in shown]
+    wide = bool(reach[:2].max() > _WIDE) and any(models)
     across = 1.08 * max(reach[0], 1.0 if wide else 0.01)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        if turns_on_two[number]:
-            _separatrix(axes, edges(dataset, "alpha", case.position), across)
+        model = models[number]
+        if model is not None:
+            _separatrix(axes, model, edges(dataset, "alpha", case.position), across)
         axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.axvline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.tick_params(labelbottom=number + columns >= len(shown))
@@ -141,13 +145,33 @@ def _jumps(dataset: xarray.Dataset, at: tuple[int, ...], response: Response) -> 
     return gaps[np.isin(response.time[gaps], known) & ~np.isnan(response.rate[gaps - 1] + response.rate[gaps + 1])]
 
 
-def _separatrix(axes: Axes, alpha: Array, reach: float) -> None:
-    """The free motions of a body on two edges that end in its unstable equilibria, by side.
+def _falls_by(dataset: xarray.Dataset, case: Shown) -> Model | None:
+    """The model of a case; None where rotation and velocity alone do not tell whether it falls, or it cannot fall."""
+    of_case = dataset.isel(case.place)
+    model = None if rolls(of_case) else model_of(of_case)
+    if model is None:
+        return None
+    alpha = edges(dataset, "alpha", case.position)
+    return model if np.isfinite(model.law(alpha, np.tan(alpha)).q_star).any() else None
 
-    There |theta_dot| = 2 p |sin((alpha - |theta|)/2)|.
+
+def _separatrix(axes: Axes, model: Model, alpha: Array, reach: float) -> None:
+    """The free motions of a body on two edges that end in its unstable equilibria, by side, where it has any.
+
+    There |theta_dot| = p sqrt(2 B(|theta|)), B of (T7), for the block 2 p |sin((alpha - |theta|)/2)|.
     """
-    q = np.linspace(0.0, reach, 201)
-    for side, of_side in ((-1.0, alpha[LEFT]), (1.0, alpha[RIGHT])):
-        rate = 2.0 * np.sin(0.5 * of_side * (1.0 - q)) / of_side
+    law = model.law(alpha, np.tan(alpha))
+    for side, i in ((-1.0, LEFT), (1.0, RIGHT)):
+        top = float(law.q_star[i])
+        if not np.isfinite(top):
+            continue
+        q = np.linspace(0.0, reach, 201)
+        y = top - q * alpha[i]
+        if model.linear:
+            missing = 0.5 * y**2
+        else:
+            slope = law.rc[i] * np.sin(top) - law.rs[i] * np.cos(top)
+            missing = law.r0[i] * (y - np.sin(y)) + 2.0 * slope * np.sin(0.5 * y) ** 2
+        rate = np.sign(y) * np.sqrt(2.0 * np.maximum(missing, 0.0)) / alpha[i]
         for sign in (-1.0, 1.0):
             axes.plot(side * q, sign * rate, color=QUIET, linewidth=0.7, dashes=(4, 2), zorder=1)

@@ -112,6 +112,9 @@ _ROWS: tuple[Model, ...] = (
 
 MODELS: dict[tuple[str, str | None], Model] = {(row.name, row.geometry): row for row in _ROWS}
 
+DEFAULT_GEOMETRY = "negative_stiffness"
+"""Of models 1-4 where a study says none."""
+
 MODEL_NAMES: tuple[str, ...] = tuple(dict.fromkeys(row.name for row in _ROWS))
 
 FLEXIBLE = "flexible"

@@ -1,0 +1,50 @@
+"""The model of one rotation that solved a case, where its dataset tells it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockcli.plotting.common.case_settings import resolved_case
+from rockcli.plotting.common.cases import axes_of
+from rockcli.plotting.common.labels import path_of
+from rockcli.scene.laws.models import DEFAULT_GEOMETRY, MODELS, Model
+
+if TYPE_CHECKING:
+    import xarray
+
+_VARIES_MODELS = re.compile(r"^vary:.*\b(model|geometry)\b", re.MULTILINE | re.DOTALL)
+
+
+def model_of(dataset: xarray.Dataset) -> Model | None:
+    """The row of `scene/laws/models.py` of one case; None where it is a column, or where settings may have chosen it.
+
+    Args:
+        dataset: of one point on its axes.
+    """
+    if "model_used" in dataset.variables:
+        flags = dataset["model_used"].attrs
+        named = dict(zip(np.ravel(flags["flag_values"]).tolist(), flags["flag_meanings"].split(), strict=True))
+        used = named.get(int(dataset["model_used"].values), "")
+        if used != "not_auto":
+            return MODELS.get((used, None))
+    case = resolved_case(dataset)
+    model, geometry = case.get("model", "rigid"), case.get("geometry", DEFAULT_GEOMETRY)
+    name = str(model["name"] if isinstance(model, dict) else model)
+    for axis in axes_of(dataset):
+        path = path_of(dataset, axis).removeprefix("case.")
+        if path == "case" and _chosen_by_settings(dataset):
+            return None
+        if path == "model":
+            name = str(dataset[axis].values)
+        if path == "geometry":
+            geometry = str(dataset[axis].values)
+    return MODELS.get((name, None)) or MODELS.get((name, geometry))
+
+
+def _chosen_by_settings(dataset: xarray.Dataset) -> bool:
+    """Whether settings of the case, in the study or in a table, may say which model."""
+    tables = any(name.startswith(("given_model", "given_geometry")) for name in map(str, dataset.variables))
+    return tables or _VARIES_MODELS.search(str(dataset.attrs.get("study", ""))) is not None
