@@ -129,6 +129,18 @@ def test_a_spike_on_an_odd_sample_is_the_whole_error_when_halved(tmp_path):
     assert (point.wrong, point.compared) == (1, 1)
 
 
+@pytest.mark.parametrize("of_record", [True, False], ids=["record", "pulse"])
+def test_what_arrives_through_floors_is_not_halved_for_the_record(tmp_path, of_record):
+    """Its samples are eight times as close: half of them told a hundredth of what the record leaves open."""
+    given = under(tmp_path, 4.0 * np.sin(np.arange(61) / 5.0))
+    record = {"record": {"file": str(tmp_path / "motion.txt"), "units": "m/s2"}}
+    motion = (record if of_record else STUDY["case"]["motion"]) | {"through": [{"T": 0.3, "zeta": 0.05}]}
+    found = trade(study(case=STUDY["case"] | {"motion": motion}, vary={}), backends=EVENT)
+    assert not [point for point in found.points if point.setting.sampling]
+    assert dict(found.skipped)["data"].startswith("what arrives through floors is no record")
+    assert halved(trade(given, backends=EVENT)).answers.peak[0] > 0.0
+
+
 def test_scripts_of_opensees_under_a_record_have_plain_numbers(tmp_path):
     """A step of numpy made every case fail: its repr is `np.float64(...)`, and scripts know no `np`."""
     pair = ("3", "corotational")

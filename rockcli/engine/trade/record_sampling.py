@@ -49,3 +49,9 @@ def resampled(excitation: Excitation, how: str) -> Excitation:
 def has_samples(excitation: Excitation) -> bool:
     """Whether a component is a record."""
     return any(isinstance(channel, Samples) for channel in (excitation.horizontal, excitation.vertical))
+
+
+def through_floors(excitation: Excitation) -> bool:
+    """Whether a component is what arrives through floors, whose samples are closer than those of the record."""
+    channels = (excitation.horizontal, excitation.vertical)
+    return any(isinstance(channel, Samples) and channel.ground is not None for channel in channels)

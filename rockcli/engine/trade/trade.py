@@ -14,7 +14,7 @@ from rockcli import kernels
 from rockcli.engine.cost import seconds_per_case
 from rockcli.engine.trade import meshes
 from rockcli.engine.trade.measurements import Answers, Point, Trade, mark_fronts, point_of
-from rockcli.engine.trade.record_sampling import has_samples
+from rockcli.engine.trade.record_sampling import has_samples, through_floors
 from rockcli.engine.trade.sampled_cases import Sample
 from rockcli.engine.trade.settings import (
     DATA,
@@ -120,7 +120,9 @@ def trade(
         traded = TRADED if backends is None else known
         unable = {name: why for name in BACKENDS if name in traded and (why := _unable(scene, name))}
         found.skipped += unable.items()
-        if not any(has_samples(batch.excitation) for _, batch in scene.batches):
+        if _through_floors(scene):
+            found.skipped.append((DATA, "what arrives through floors is no record, so no error of the data"))
+        elif not any(has_samples(batch.excitation) for _, batch in scene.batches):
             found.skipped.append((DATA, "no record, so no error of the data"))
         if "opensees" not in known and backends is None and "opensees" not in unable:
             found.skipped.append(("opensees", "OpenSeesPy is not installed"))
@@ -173,8 +175,13 @@ def _series_of(scene: Sample, known: frozenset[str], found: Trade) -> list[Serie
             families += [
                 Series([setting], best(batch, better)) for setting, better in models(batch, pair) if number == 0
             ]
-            families += [Series([setting], best(batch, pair)) for setting in data(batch, pair)]
+            if not _through_floors(scene):
+                families += [Series([setting], best(batch, pair)) for setting in data(batch, pair)]
     return families + (_of_meshes(scene, found) if "calculix" in known else [])
+
+
+def _through_floors(scene: Sample) -> bool:
+    return any(through_floors(batch.excitation) for _, batch in scene.batches)
 
 
 def _of_meshes(scene: Sample, found: Trade) -> list[Series]:
