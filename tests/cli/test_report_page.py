@@ -180,6 +180,15 @@ def test_the_headline_tells_the_alpha_of_a_column_as_that_of_a_rigid_body() -> N
     assert said.sentence.endswith("at which its weight, were it rigid, no longer brings it back")
 
 
+@pytest.mark.parametrize(("tan_alpha", "reached"), [(0.6, 1.1 * np.arctan(0.6) / np.arcsin(0.6)), (1.2, None)])
+def test_the_margin_of_a_model_is_to_its_own_equilibrium(tan_alpha, reached):
+    """Corotational model 2 falls beyond asin(tan alpha), if ever: beyond alpha a margin was told as none."""
+    case = {"block": {"R": 2.0, "tan_alpha": tan_alpha}, "model": 2, "geometry": "corotational"}
+    facts = facts_of(rockcli.run({"case": case | {"initial": {"theta": "1.1*alpha"}}}))
+    said = [fact for fact in facts if fact.what == "margin"]
+    assert [fact.value for fact in said] == ([] if reached is None else [f"{100.0 * (1.0 - reached):.3g} %"])
+
+
 def test_the_headline_calls_no_rotation_the_largest_that_is_not() -> None:
     """Of bodies with different alpha the nearest to it need not turn farthest."""
     pulse = {"shape": "half_sine", "a_p": "0.45*g", "omega_p": 6.0}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockcli.plotting.common.case_law import model_of
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, number_at
 from rockcli.plotting.common.labels import (
     axis_values,
@@ -123,7 +124,10 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
         found.append(Fact(_length(top), "the top moves", said + (", in that case" if several else "")))
     alpha = _falls_beyond(dataset, at)
     if np.isnan(alpha):
-        alpha = _alpha_of_peak(dataset, at)
+        alpha, weak = _equilibrium(dataset, at), _alpha_of_peak(dataset, at)
+        if np.isinf(alpha):  # models 2 and 3 of bodies wider than high
+            return found
+        ratio = ratio * weak / alpha if alpha != weak and np.isfinite(alpha) else ratio
     else:  # of one that rolls it is no alpha
         ratio = theta / alpha
     said = f"the body reaches {100.0 * ratio:.3g} % of the angle"
@@ -169,6 +173,16 @@ def _alpha_of_peak(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
     if not np.isfinite([*peaks, *alphas]).all():
         return _alpha(dataset, at)
     return alphas[int(np.argmax(np.divide(peaks, alphas)))]
+
+
+def _equilibrium(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
+    """The rotation at which the restoring moment of a body on two edges vanishes, to the side of its peak; inf: never.
+
+    It is alpha but for corotational models 2 and 3.
+    """
+    alpha = _alpha_of_peak(dataset, at)
+    model = model_of(dataset.isel(dict(zip(axes_of(dataset), at, strict=True))))
+    return alpha if model is None or np.isnan(alpha) else float(model.law(np.array(alpha), np.tan(alpha)).q_star)
 
 
 def _falls_beyond(dataset: xarray.Dataset, at: tuple[int, ...]) -> float:
