@@ -227,6 +227,17 @@ def test_a_backend_is_missed_only_where_it_would_solve_the_model(monkeypatch):
     assert dict(trade(of(case)).skipped)["opensees"] == "not for model rigid, only for 1, 2, 3, 4, flexible"
 
 
+def test_a_body_that_rolls_is_held_against_nothing_that_knows_but_two_edges():
+    """Every row of a model was that of the block that rolls, under another name, and of `scipy` that of its base."""
+    outline = [[-0.25, 0.2], [-0.1, 0], [0.1, 0], [0.25, 0.2], [0.15, 0.7], [-0.15, 0.7]]
+    pulse = {"shape": "sine", "a_p": "1.2*g*tan_alpha", "T_p": 0.3}
+    found = trade(of({"block": {"outline": outline}, "motion": {"pulse": pulse}}))
+    assert {(p.setting.part, p.setting.family) for p in found.points} == {("numerics", "event")}
+    skipped = dict(found.skipped)
+    assert skipped["scipy"] == "not for bodies that roll over vertices"
+    assert skipped["model"].startswith("every other model knows but two edges")
+
+
 def test_a_damping_that_a_backend_does_not_know_is_said():
     scene = Sample(of(COLUMN | {"model": "flexible", "damping": "dashpot"}), 1)
     assert measuring._unable(scene, "event") == "not for model flexible with damping dashpot"

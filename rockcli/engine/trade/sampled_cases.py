@@ -52,6 +52,11 @@ class Sample:
         names = " or ".join(CANDIDATES[setting].replace("_", " on ") for setting in sorted(self._highest, reverse=True))
         return [f"model auto: measured as {names}, the highest model that its data allow"] if names else []
 
+    @property
+    def rolls(self) -> bool:
+        """Whether a body rolls over vertices beside its two edges, which `event` alone solves, as model rigid."""
+        return any(bool(batch.block.rolls.any()) for _, batch in self.batches)
+
     def solvable(self, pair: Pair) -> list[tuple[Index, Batch]]:
         """Batches that can be solved with a model: a column is not made up."""
         made_up = pair[0] in DEFORMABLE

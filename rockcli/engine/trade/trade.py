@@ -19,6 +19,7 @@ from rockcli.engine.trade.sampled_cases import Sample
 from rockcli.engine.trade.settings import (
     DATA,
     ELEMENTS_REFERENCE,
+    MODEL,
     NUMERICS,
     Setting,
     data,
@@ -28,7 +29,7 @@ from rockcli.engine.trade.settings import (
     reference,
 )
 from rockcli.errors import SolverError, StudyError
-from rockcli.scene.backends import BACKENDS, Pair
+from rockcli.scene.backends import BACKENDS, EVENT, Pair
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.models import DEFORMABLE
 from rockcli.scene.numerics import Numerics
@@ -110,6 +111,8 @@ def trade(
         began = perf_counter()
         scene = _affordable(study, sample, budget)
         known = peers() if backends is None else backends
+        if scene.rolls:
+            known = known & {EVENT}
         found = Trade(scene.cases, study.size, notes=[*scene.notes, *_fewer(scene, study, sample, budget)])
         families = _series_of(scene, known, found)
         if not families:
@@ -120,6 +123,8 @@ def trade(
         traded = TRADED if backends is None else known
         unable = {name: why for name in BACKENDS if name in traded and (why := _unable(scene, name))}
         found.skipped += unable.items()
+        if scene.rolls:
+            found.skipped.append((MODEL, "every other model knows but two edges, and the body rolls over vertices"))
         if _through_floors(scene):
             found.skipped.append((DATA, "what arrives through floors is no record, so no error of the data"))
         elif not any(has_samples(batch.excitation) for _, batch in scene.batches):
@@ -145,6 +150,8 @@ def _unable(scene: Sample, name: str) -> str:
                 foreign.append(model_word(pair))
             elif not row.supports(replace(batch, model=pair[0], geometry=pair[1], numerics=Numerics(name))):
                 whys.append(f"not for model {model_word(pair)} with damping {batch.damping.scheme}")
+    if scene.rolls and name != EVENT:
+        whys.append("not for bodies that roll over vertices")
     if foreign:
         solved = sorted({model for model, _ in row.models})
         whys.append(f"not for model {', '.join(foreign)}, only for {', '.join(solved)}")
@@ -172,9 +179,8 @@ def _series_of(scene: Sample, known: frozenset[str], found: Trade) -> list[Serie
                 families.append(
                     Series(settings, best(batch, pair, ELEMENTS_REFERENCE if settings[0].elements else None))
                 )
-            families += [
-                Series([setting], best(batch, better)) for setting, better in models(batch, pair) if number == 0
-            ]
+            simpler = models(batch, pair) if number == 0 and not scene.rolls else ()
+            families += [Series([setting], best(batch, better)) for setting, better in simpler]
             if not _through_floors(scene):
                 families += [Series([setting], best(batch, pair)) for setting in data(batch, pair)]
     return families + (_of_meshes(scene, found) if "calculix" in known else [])
