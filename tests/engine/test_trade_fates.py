@@ -238,6 +238,15 @@ def test_a_body_that_rolls_is_held_against_nothing_that_knows_but_two_edges():
     assert skipped["model"].startswith("every other model knows but two edges")
 
 
+def test_what_solves_no_sliding_is_not_held_against_what_does():
+    """Of a block that slides `scipy` overturned another one, and was told a wrong outcome at every tolerance."""
+    pulse = {"shape": "sine", "a_p": "0.9*g", "T_p": 0.5}
+    case = {"block": {"h": 0.5, "b": 0.2, "mu": {"static": 0.45, "kinetic": 0.4}}, "motion": {"pulse": pulse}}
+    found = trade(of(case))
+    assert {p.setting.family for p in found.points} == {"event"}
+    assert dict(found.skipped)["scipy"] == "not for bodies with block.mu, as it solves no sliding"
+
+
 def test_a_damping_that_a_backend_does_not_know_is_said():
     scene = Sample(of(COLUMN | {"model": "flexible", "damping": "dashpot"}), 1)
     assert measuring._unable(scene, "event") == "not for model flexible with damping dashpot"

@@ -57,6 +57,11 @@ class Sample:
         """Whether a body rolls over vertices beside its two edges, which `event` alone solves, as model rigid."""
         return any(bool(batch.block.rolls.any()) for _, batch in self.batches)
 
+    @property
+    def slides(self) -> bool:
+        """Whether friction is given of a rigid body, which `event` alone takes notice of."""
+        return ("rigid", None) in self.own and any(bool(np.isfinite(b.block.mu).any()) for _, b in self.batches)
+
     def solvable(self, pair: Pair) -> list[tuple[Index, Batch]]:
         """Batches that can be solved with a model: a column is not made up."""
         made_up = pair[0] in DEFORMABLE

@@ -111,7 +111,7 @@ def trade(
         began = perf_counter()
         scene = _affordable(study, sample, budget)
         known = peers() if backends is None else backends
-        if scene.rolls:
+        if scene.rolls or scene.slides:
             known = known & {EVENT}
         found = Trade(scene.cases, study.size, notes=[*scene.notes, *_fewer(scene, study, sample, budget)])
         families = _series_of(scene, known, found)
@@ -152,6 +152,8 @@ def _unable(scene: Sample, name: str) -> str:
                 whys.append(f"not for model {model_word(pair)} with damping {batch.damping.scheme}")
     if scene.rolls and name != EVENT:
         whys.append("not for bodies that roll over vertices")
+    if scene.slides and name != EVENT:
+        whys.append("not for bodies with block.mu, as it solves no sliding")
     if foreign:
         solved = sorted({model for model, _ in row.models})
         whys.append(f"not for model {', '.join(foreign)}, only for {', '.join(solved)}")
