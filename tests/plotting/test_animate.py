@@ -146,7 +146,7 @@ def test_the_response_is_shown_and_no_more_than_is_watched():
         (["--fps", "100"], "up to 50"),
         (["--magnify", "nan"], "--magnify"),
         (["--case", "1", "--magnify", "5"], "does not bend"),
-        (["--start", "3", "--end", "2"], "nothing to show"),
+        (["--start", "3", "--end", "2"], "cannot show 3 s to 2 s"),
         (["--start", "0", "--end", "90"], "goes from 0 to"),
         (["--start", "0", "--end", "3.9", "--speed", "1e-3"], "frames"),
     ],

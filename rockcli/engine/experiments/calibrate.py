@@ -134,7 +134,7 @@ def calibrate(
         StudyError: fewer than LEAST runs; as `simulate`.
     """
     if runs.size < LEAST:
-        raise StudyError(f"has {runs.size} runs; a calibration needs at least {LEAST}", file=runs.file)
+        raise StudyError(f"a calibration needs at least {LEAST} runs, and has {runs.size}", file=runs.file)
     if len(set(runs.specimen)) > 1:
         raise StudyError(
             f"has {len(set(runs.specimen))} specimens: choose one, as each has its own errors", file=runs.file

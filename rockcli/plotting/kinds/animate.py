@@ -86,9 +86,7 @@ def scenes(
     first = seen.start if start is None else start
     last = (whole if fell else min(seen.end, whole)) if end is None else end
     if not 0.0 <= first < last <= whole * (1.0 + 1e-9):
-        raise StudyError(
-            f"from {first:g} s to {last:g} s there is nothing to show: the history goes from 0 to {whole:g} s"
-        )
+        raise StudyError(f"cannot show {first:g} s to {last:g} s: the history goes from 0 to {whole:g} s")
     note = ""
     longest = LONGEST * speed
     if (start is None or end is None) and last - first > longest * (1.0 + 1e-9):
