@@ -341,6 +341,20 @@ def test_a_negative_eta_is_told_with_the_body_it_is_of(tmp_path):
     assert warnings_of(given) == ()
 
 
+@pytest.mark.parametrize(
+    ("vary", "named"),
+    [
+        ({"motion.pulse.T_p": [0.5, 1], "block.R": [2, 80], "model": ["rigid", "linearized"]}, "(at block.R = 80"),
+        ({"case": {"weak": {"motion": {"pulse": {**SINE, "a_p": 3}}}}, "block.R": [80]}, "(at block.R = 80"),
+        ({"motion.pulse.T_p": [0.5, 1], "case": {"high": {"block.R": 80}}}, "(at case = high"),
+    ],
+)
+def test_a_doubted_body_is_named_by_the_axes_that_make_it(vary, named):
+    (said,) = warnings_of({"motion": {"pulse": SINE}}, vary=vary)
+    assert said.startswith("a body is 156.9 m high")
+    assert named in said
+
+
 FALLING = {"pulse": SINE, "vertical": {"pulse": {"shape": "sine", "a_p": "1.5*g", "T_p": 0.4}}}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,13 @@ def in_words(keys: tuple[str | int, ...], text: str, message: str) -> str:
     return message
 
 
+class Spot(Protocol):
+    """Tells where a case is said, and its values of the axes."""
+
+    def __call__(self, varied: Varied | None, i: int, *, bodies: bool = False) -> tuple[Where, str]:
+        """Place of the number of an axis in case i, and the values of all axes there, or of those that make bodies."""
+
+
 class Numbers:
     """Looks numbers up in the tree of `n` cases that differ only in the columns of some axes.
 
@@ -84,7 +91,8 @@ class Numbers:
         case: the same case, validated: what is read.
         n: number of cases.
         column: (axis, column) -> (n,) values.
-        spot: (number of an axis, i) -> its place in case i, and the values of all axes there, as text.
+        spot: (number of an axis, i) -> its place in case i, and the values of all axes there, or of those that make
+            bodies, as text.
         pair, body: how the block with its two sizes, and from it the body, come of these numbers (`building.body`).
         suite: the recorded motions, where each case has its own.
 
@@ -100,7 +108,7 @@ class Numbers:
         case: CasePart,
         n: int,
         column: Callable[[int, int], Array],
-        spot: Callable[[Varied | None, int], tuple[Where, str]],
+        spot: Spot,
         pair: Callable[[Numbers], Block],
         body: Callable[[Numbers, Block], Block],
         suite: Motions | None = None,
@@ -189,11 +197,11 @@ class Numbers:
         raise self.source.placed(where, f"{name}{suffix}: {message}{f' (at {context})' if context else ''}")
 
     def named(self, i: int) -> str:
-        """Case i by its values of the axes, and where its body is said: `block.alpha = 1, study.yaml:5`."""
+        """Body of case i by the axes that make it, and where it is said: `block.alpha = 1, study.yaml:5`."""
         keys: Keys = ("case", "block")
         block: Map = value_at(self.tree, keys)
         varied = next(((key, item) for key, item in block.items() if isinstance(item, Varied)), None)
-        at, context = self._spot(None if varied is None else varied[1], i)
+        at, context = self._spot(None if varied is None else varied[1], i, bodies=True)
         where = self.source.words(place(self.tree, keys) if at is None else at)
         return ", ".join(filter(None, (context, where)))
 

@@ -184,12 +184,12 @@ class Cases:
             assert columns is not None
             return list(columns.values())[which][points[axis]]
 
-        def spot(varied: Varied | None, i: int) -> tuple[Where, str]:
+        def spot(varied: Varied | None, i: int, *, bodies: bool = False) -> tuple[Where, str]:
             where = None
             if varied is not None:
                 where = self.variations[varied.axis].place(varied.column, int(points[varied.axis][i]))
-            at = (f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in enumerate(self.variations))
-            return where, ", ".join(at)
+            told = ((a, v) for a, v in enumerate(self.variations) if v.makes_bodies or not bodies)
+            return where, ", ".join(f"{v.axis.path} = {_shown(v.axis.values[points[a][i]])}" for a, v in told)
 
         return Numbers(self.source, *self.checked(combination), n, column, spot, sufficient_pair, make_body, suite)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,13 @@ class Variation:
     def size(self) -> int:
         """Number of points."""
         return self.axis.size
+
+    @property
+    def makes_bodies(self) -> bool:
+        """Whether the body of a case, or what it loses, may depend on this axis."""
+        columns = () if self.columns is None else self.columns
+        said = chain(columns, (path for point in self.settings for path, _, _ in point))
+        return any(path[0] != "case" or path[1] in ("block", "damping") for path in said)
 
     def points(self) -> tuple[tuple[Setting, ...], ...]:
         """What each point puts into a case; of points that differ only in numbers, the first."""
