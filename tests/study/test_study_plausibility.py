@@ -332,13 +332,27 @@ def test_a_negative_eta_is_told_with_the_body_it_is_of(tmp_path):
     (tmp_path / "x.yaml").write_text(f"name: x\ncase:\n  block: {{h: 1, b: 0.2}}\n  {free}\nvary: {{case: t.csv}}\n")
     (said,) = open_study(tmp_path / "x.yaml").warnings
     assert "eta is negative" in said
-    assert said.endswith(f"(at case = flat, {tmp_path}/t.csv:3)")
+    assert said.endswith("(at case = flat, t.csv:3)")
     for vary, where in (("vary:\n  block.b: [0.2, 1.5]\n", "(at block.b = 1.5, x.yaml:6)"), ("", "(at x.yaml:3)")):
         (tmp_path / "x.yaml").write_text(f"name: x\ncase:\n  block: {{h: 1, b: 1.5}}\n  {free}\n{vary}")
         (said,) = open_study(tmp_path / "x.yaml").warnings
         assert said.endswith(where)
     given = {"block": {"h": 1, "b": 1.5}, "initial": {"theta": 0.1}, "damping": {"scheme": "restitution", "eta": 0.5}}
     assert warnings_of(given) == ()
+
+
+def test_where_a_study_lies_is_no_matter(tmp_path):
+    """Warnings are in the dataset, whose checksum is that of a copy elsewhere."""
+    found = []
+    for folder in (tmp_path / "a", tmp_path / "elsewhere"):
+        (folder / "lists").mkdir(parents=True)
+        (folder / "lists" / "t.csv").write_text("name,block.h,block.b\nhigh,100,9\n")
+        (folder / "x.yaml").write_text(
+            "name: x\ncase: {block: {h: 1, b: 1}, initial: {theta: 0.01}}\nvary: {case: lists/t.csv}\n"
+        )
+        found.append(open_study(folder / "x.yaml").warnings)
+    assert found[0] == found[1]
+    assert found[0][0].endswith("(at case = high, lists/t.csv:2)")
 
 
 @pytest.mark.parametrize(

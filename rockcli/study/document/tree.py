@@ -90,9 +90,11 @@ class Source:
         return kind(message, file=file, line=line)
 
     def words(self, where: Where) -> str:
-        """A place as `study.yaml:5`, without folders; "" where there is none."""
-        if isinstance(where, str) or where is None or self.file is None:
-            return where if isinstance(where, str) else ""
+        """A place as `study.yaml:5`, from the folder of the study on; "" where there is none."""
+        if isinstance(where, str):
+            return where.removeprefix(str(self.folder / "_").removesuffix("_"))
+        if where is None or self.file is None:
+            return ""
         return f"{Path(self.file).name}:{where}"
 
     def _spot(self, where: Where) -> tuple[str | Path | None, int | None]:
