@@ -28,6 +28,10 @@ _COORDINATES = 5
 """Coordinates of an axis that a message names."""
 
 
+class NothingToCompareError(StudyError):
+    """Neither of two datasets has outcomes, peaks or thresholds, as those of static curves have none."""
+
+
 @dataclass(frozen=True)
 class Difference:
     """Two datasets, point by point.
@@ -78,7 +82,8 @@ def difference(
         most: worst points named.
 
     Raises:
-        StudyError: the axes differ, no point is shared, or neither outcome, nor peak, nor threshold is in both.
+        StudyError: the axes differ, no point is shared, or neither outcome, nor peak, nor threshold is in both
+            (`NothingToCompareError`: nor in one of them).
     """
     paired = _paired(a, b)
     b = _renamed(b, {other: axis for axis, other in paired.items()})
@@ -176,7 +181,8 @@ def _compared(
     found = [[name for name in x.fields if name.endswith(FOUND)] for x in (a, b)]
     both = [name for name in found[0] if name in found[1]]
     if not both:
-        raise StudyError(
+        of_one = any(found) or any(name in x.fields for name in (OUTCOME, PEAK) for x in (a, b))
+        raise (StudyError if of_one else NothingToCompareError)(
             f"neither {OUTCOME} nor {PEAK} is in both datasets, nor what a search found ({_or_none(found[0])} in the "
             f"first, {_or_none(found[1])} in the second)"
         )

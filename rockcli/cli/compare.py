@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rockcli.analysis.compare_datasets import Difference
 
 _NAMED = 10
-"""Datasets of one folder only that are named."""
+"""Datasets that are not compared and named nevertheless."""
 
 
 def compare(
@@ -26,7 +26,8 @@ def compare(
     """Compare the outcomes and peaks of two datasets at the points both have, of searches the thresholds found.
 
     Peaks are of the rotation and, of bodies that stand, of the slide.  Of two folders every dataset with that of the
-    same name.  Exit 1 on another outcome or a peak beyond --rtol; the worst points are named.
+    same name; static curves are named and not compared.  Exit 1 on another outcome or a peak beyond --rtol; the worst
+    points are named.
     """
     from rockcli.errors import StudyError
 
@@ -69,6 +70,7 @@ def _files(a: Path, b: Path, rtol: float, most: int, *, si: bool) -> tuple[Diffe
 
 def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool:
     """Compare the datasets that two folders both have; whether all are the same."""
+    from rockcli.analysis.compare_datasets import NothingToCompareError
     from rockcli.cli.progress import counted
     from rockcli.errors import StudyError
 
@@ -76,17 +78,20 @@ def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool
     both, only_a, only_b = sorted(names[0] & names[1]), sorted(names[0] - names[1]), sorted(names[1] - names[0])
     if not both:
         raise StudyError(f"{a} and {b} have no dataset of the same name")
-    found, refused = {}, {}
+    found, refused, curves = {}, {}, []
     for name in both:
         try:
             found[name] = _files(a / name, b / name, rtol, most, si=as_json)
+        except NothingToCompareError:
+            curves.append(name)
         except StudyError as error:
             refused[name] = error.message
     differ = [name for name, (difference, _) in found.items() if not difference.same]
     if as_json:
         datasets = [{"name": name, **_plain(*one)} for name, one in found.items()]
         same = not differ and not refused
-        say(_json({"same": same, "datasets": datasets, "only_a": only_a, "only_b": only_b, "refused": refused}))
+        others = {"only_a": only_a, "only_b": only_b, "nothing_to_compare": curves, "refused": refused}
+        say(_json({"same": same, "datasets": datasets, **others}))
     else:
         programs: set[str] = set()
         for name, (difference, apart) in found.items():
@@ -99,12 +104,18 @@ def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool
                 say("\n".join([f"{name}: the same at {_points(difference)}", *_beside(difference, apart)]))
         for program in sorted(programs):
             say(f"of those that are the same: program {program}")
-        for words, alone in (("first", only_a), ("second", only_b)):
-            if alone:
-                more = f", and {len(alone) - _NAMED} more" if len(alone) > _NAMED else ""
-                say(f"only in the {words}, not compared: {', '.join(alone[:_NAMED])}{more}")
+        for words, some in (
+            ("only in the first", only_a),
+            ("only in the second", only_b),
+            ("without outcomes, peaks and thresholds, as static curves are", curves),
+        ):
+            if some:
+                more = f", and {len(some) - _NAMED} more" if len(some) > _NAMED else ""
+                say(f"{words}, not compared: {', '.join(some[:_NAMED])}{more}")
         counts = f"{len(found) - len(differ)} the same, {len(differ)} differ{'s' if len(differ) == 1 else ''}"
         say(f"{counted(len(found), 'dataset')} in both: {counts}")
+    if not found and not refused:
+        raise StudyError(f"{a} and {b} have no dataset of the same name that can be compared")
     if refused:
         raise StudyError("\n".join(f"{name}: {message}" for name, message in refused.items()))
     return not differ

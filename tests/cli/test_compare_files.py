@@ -314,3 +314,26 @@ def test_what_is_not_there_is_named(tmp_path: Path) -> None:
         gone = tmp_path / "old" if there.is_dir() else there
         assert isinstance(told.exception, StudyError)
         assert str(told.exception) == f"{gone}: no such file or folder"
+
+
+def test_static_curves_in_folders_are_told_and_the_others_compared(first: Contents, tmp_path: Path) -> None:
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "model": 3}
+    curves = solve(open_study({"name": "curves", "case": case, "curves": ["pushover"]}))
+    for folder in ("old", "new"):
+        (tmp_path / folder).mkdir()
+        netcdf.write(curves, tmp_path / folder / "curves.nc")
+    command = ["compare", str(tmp_path / "old"), str(tmp_path / "new")]
+    told = CliRunner().invoke(app, command)
+    assert isinstance(told.exception, StudyError)
+    assert "no dataset of the same name that can be compared" in str(told.exception)
+    for folder, contents in (("old", first), ("new", changed(first, "theta_peak_over_alpha", (2, 0), 7.0))):
+        netcdf.write(contents, tmp_path / folder / "one.nc")
+    told = CliRunner().invoke(app, command)
+    assert told.exit_code == 1
+    assert "without outcomes, peaks and thresholds, as static curves are, not compared: curves.nc" in told.stdout
+    assert told.stdout.endswith("1 dataset in both: 0 the same, 1 differs\n")
+    (tmp_path / "new" / "one.nc").unlink()
+    netcdf.write(first, tmp_path / "new" / "one.nc")
+    told = CliRunner().invoke(app, [*command, "--json"])
+    assert told.exit_code == 0
+    assert json.loads(told.stdout)["nothing_to_compare"] == ["curves.nc"]
