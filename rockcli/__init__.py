@@ -105,7 +105,7 @@ def plot(
     Args:
         dataset: of `run` or `open_dataset`.
         kind: kind of plot, such as `histories`, `map`, `ida`, `fragility`; None = the first that the study lists, else
-            the first its content suggests.
+            the first its content suggests; of a part of a dataset the first of these that it can show.
         path: also written there, as .png, .pdf or .svg.
         select: {axis: value or list of values} of the cases shown, in SI units, or as "0.4g", "10deg".
         width: "single" (90 mm), "double" (180 mm) or a number of mm; None = as its content needs.

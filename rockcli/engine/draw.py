@@ -15,7 +15,7 @@ from rockcli.scene.looks import Look, width_of
 from rockcli.storage.atomic import replacing
 from rockcli.storage.lazy import open_lazily
 from rockcli.storage.places import check_file
-from rockcli.storage.read import open_dataset, with_axes_left
+from rockcli.storage.read import of_a_part, open_dataset, with_axes_left
 
 if TYPE_CHECKING:
     import xarray
@@ -208,6 +208,18 @@ def draw_as_told(
     return tuple(drawn)
 
 
+def _shows(dataset: xarray.Dataset, kind: str, look: Look) -> bool:
+    """Whether a dataset has what a plot of it selects and shows."""
+    from rockcli.plotting.common.selection import selected
+    from rockcli.plotting.figures import why_not
+
+    try:
+        part, _ = selected(dataset, look.select)
+    except StudyError:
+        return False
+    return not why_not(kind, part)
+
+
 def figure_of(
     dataset: xarray.Dataset | Sequence[xarray.Dataset],
     kind: str | None = None,
@@ -220,7 +232,8 @@ def figure_of(
 
     Args:
         dataset: of rockcli.run or of a file; several with the same axes.
-        kind: kind of plot; None = the first that its study lists or its content suggests.
+        kind: kind of plot; None = the first that its study lists or its content suggests; of a part of a dataset the
+            first of these that it can show.
         path: also written there, as png, pdf or svg by its ending.
         names: of several datasets; () = those of their studies.
         changed: parts of the `Look`, instead of what the study says.
@@ -229,7 +242,7 @@ def figure_of(
         StudyError: the dataset cannot be drawn so, or no figure can be written to `path`.
     """
     from rockcli.plotting.common.selection import overlaid, selected
-    from rockcli.plotting.figures import figure, save, why_not
+    from rockcli.plotting.figures import default_kinds, figure, save, why_not
 
     several: list[xarray.Dataset] = (
         [*dataset] if isinstance(dataset, list | tuple) else [cast("xarray.Dataset", dataset)]
@@ -240,13 +253,17 @@ def figure_of(
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
     if path is not None:
         check_file(path)
-    several = [with_axes_left(each) for each in several]
+    whole, several = several, [with_axes_left(each) for each in several]
     one = several[0]
     if len(several) > 1:
         words = list(names) or [str(each.attrs.get("study_name") or i) for i, each in enumerate(several, 1)]
         one = overlaid([selected(each, changed.get("select", {}))[0] for each in several], words)
         changed = {key: value for key, value in changed.items() if key != "select"}
     asked = asked_of(one, () if kind is None else (kind,), **changed)
+    if kind is None and any(of_a_part(each) for each in whole):
+        part, _ = selected(one, changed.get("select", {}))
+        suggested = ((suggestion, replace(Look(), **changed)) for suggestion in default_kinds(part))
+        asked = [(each, look) for each, look in (*asked, *suggested) if _shows(one, each, look)] or asked
     if not asked:
         raise StudyError("nothing in it suggests a figure; name a kind")
     wanted = asked[0][0]

@@ -229,6 +229,19 @@ def test_a_part_of_a_dataset_is_a_table_a_figure_and_a_report(over, gone, tmp_pa
     assert dataset.attrs["axes"].split() == [*((axis, left) if gone == 0 else (left, axis))]
 
 
+def test_of_listed_plots_a_part_shows_the_first_it_can():
+    select = {"kind": "curve", "select": {"block.R": PULSES["vary"]["block.R"][0]}}
+    suite = PULSES | {"over": {"axis": "block.R", "along": "a_p"}}
+    dataset = rockcli.run(suite | {"plots": ["fragility", select, "map"]})
+    part = dataset.isel(block_R=0)
+    drawn = part.rock.plot().axes[0].get_ylabel()
+    assert drawn == rockcli.plot(part, "map").axes[0].get_ylabel() != dataset.rock.plot().axes[0].get_ylabel()
+    part = rockcli.run(suite | {"plots": ["fragility"]}).isel(block_R=0)  # what its content suggests
+    assert rockcli.plot(part).axes[0].get_ylabel() == drawn
+    with pytest.raises(rockcli.StudyError, match="takes no statistics over an axis"):
+        rockcli.plot(part, "fragility")
+
+
 def test_what_a_suite_comes_to_is_not_told_of_a_part(tmp_path):
     expect = [{"quantity": "outcome", "at": {"a_p": "1.5*g"}, "is_not": "failed"}]
     over = {"axis": "block.R", "along": "a_p"}
