@@ -89,10 +89,12 @@ def _text(found: Preview) -> str:
 
 def _bodies(found: Preview) -> str:
     """Every distinct body in a row."""
+    from rockcli.engine.bodies import UPLIFT
+
     columns = [name for name in found.bodies[0] if any(row[name] == row[name] for row in found.bodies)]
     shown = found.bodies[:MOST_BODIES]
     cells = [[_shown(row[name]) if row[name] == row[name] else "" for name in columns] for row in shown]
-    printed = table(columns, cells, indent=2)
+    printed = table([found.uplift if name == UPLIFT else name for name in columns], cells, indent=2)
     more = len(found.bodies) - len(shown)
     return printed + (f"\n  and {more} more bodies: --json has all" if more else "")
 

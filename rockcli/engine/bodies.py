@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_first
-from rockcli.scene.laws.models import MODELS
+from rockcli.scene.laws.models import DEFORMABLE, MODELS
 from rockcli.study.study import Study
 
 _POINTS = 3
@@ -19,6 +19,16 @@ _DIGITS = 12
 """Digits to which two bodies are the same."""
 
 
+UPLIFT = "uplift at [g]"
+"""The column of the acceleration of the ground at which bodies lift."""
+
+
+def uplift_words(*, deforms: bool, vertical: bool) -> str:
+    """What that acceleration is said to be where bodies deform, or some motion is vertical too."""
+    whose = " of a rigid body" if deforms else ""
+    return f"uplift{whose}{' without vertical motion' if vertical else ''} at [g]"
+
+
 class Bodies:
     """Collects the bodies of batches of cases."""
 
@@ -26,10 +36,13 @@ class Bodies:
         self._study = study
         self._most = most
         self._times = 1
+        self._deforms = self._vertical = False
         self._found: dict[tuple[float, ...], tuple[dict[str, float | str], list[NDArray[np.int64]]]] = {}
 
     def add(self, indices: NDArray[np.int64], batch: Batch) -> None:
         """Look at the cases `indices` of the study, which a batch holds."""
+        self._deforms |= batch.model in DEFORMABLE
+        self._vertical |= batch.excitation.vertical is not None
         numbers = np.column_stack(list(_numbers(batch).values()))
         rounded = np.array([[float(f"{x:.{_DIGITS}g}") for x in row] for row in numbers[:1]])
         if len(numbers) > 1:
@@ -56,6 +69,11 @@ class Bodies:
         self._times = self._study.size // int(np.prod(sizes, dtype=np.int64))
         for indices, batch in self._study.batches(np.ravel_multi_index(places, self._study.shape)):
             self.add(indices, batch)
+
+    @property
+    def uplift(self) -> str:
+        """What the column UPLIFT is said to be."""
+        return uplift_words(deforms=self._deforms, vertical=self._vertical)
 
     def rows(self) -> Iterator[dict[str, float | str]]:
         """A row for each body, in the order of the cases."""
@@ -99,7 +117,7 @@ def _numbers(batch: Batch) -> dict[str, NDArray[np.float64]]:
         "alpha [deg]": np.degrees(alpha),
         "p [rad/s]": block.of_weak_edge(batch.p) if np.ndim(batch.p) == 2 else batch.p,
         "mu": block.mu,
-        "uplift at [g]": threshold,
+        UPLIFT: threshold,
     }
     return {name: np.broadcast_to(np.asarray(values, dtype=float), (batch.size,)) for name, values in found.items()}
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.measures import peaks
 from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
-from rockcli.engine.bodies import Bodies
+from rockcli.engine.bodies import Bodies, uplift_words
 from rockcli.engine.cost import (
     ARRIVING,
     REFINED,
@@ -35,7 +35,7 @@ from rockcli.scene.body.lower_outline import facets_of
 from rockcli.scene.ground.excitation import Channel, Pulses, Samples
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.damping import SCHEMES
-from rockcli.scene.laws.models import CONTINUUM, FLEXIBLE, MODELS
+from rockcli.scene.laws.models import DEFORMABLE, MODELS
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
@@ -74,6 +74,7 @@ class Preview:
         processing: what was done to the records, a sentence each.
         bodies: every distinct body (of more than `LOOKED_AT` under one motion, those of the first): where it stands
             on the axes (`body`), `cases`, h, b, alpha, p, mu, uplift in g, whether it rocks or slides first.
+        uplift: what that uplift is, in words.
         backend: name, or why there is none.
         seconds: estimated processor time of a run of one process without plots, on this machine.
         memory: estimated memory of that process [MB]; megabytes: of histories, 0 if not saved.
@@ -89,6 +90,7 @@ class Preview:
     motion: tuple[Row, ...]
     processing: dict[str, tuple[str, ...]]
     bodies: tuple[dict[str, float | str], ...]
+    uplift: str
     backend: str
     seconds: float
     memory: float
@@ -163,6 +165,7 @@ def _preview(study: Study) -> Preview:
         processing=study.processing,
         backend=_backend(batch),
         bodies=tuple(bodies.rows()),
+        uplift=bodies.uplift,
         seconds=seconds,
         memory=memory(study, histories) / 1e6,
         megabytes=histories / 1e6,
@@ -331,9 +334,8 @@ def _motion(batch: Batch) -> list[Row]:
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
-    whose = " of a rigid body" if batch.model in (FLEXIBLE, CONTINUUM) else ""
-    without = " without vertical motion" if batch.excitation.vertical is not None else ""
-    rows = [Row("uplift_g", f"uplift{whose}{without} at [g]", uplift)]
+    words = uplift_words(deforms=batch.model in DEFORMABLE, vertical=batch.excitation.vertical is not None)
+    rows = [Row("uplift_g", words, uplift)]
     rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:
         rows += _channel(batch, batch.excitation.vertical, None, "vertical ")

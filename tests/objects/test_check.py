@@ -64,3 +64,25 @@ def test_the_quantities_of_the_equations(tmp_path):
 @pytest.mark.parametrize(("mu", "words"), [(0.2, "slide (mu <= tan"), (0.85, "by direction"), (0.95, "rock (mu > tan")])
 def test_how_it_begins_to_move(tmp_path, mu, words):
     assert words in checked(tmp_path, mu)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("", "uplift at [g]"),
+        (", vertical: {pulse: {shape: sine, a_p: 2, T_p: 0.3}}", "uplift without vertical motion at [g]"),
+        ("}, model: flexible, column: {E: 30e9, rho: 2500", "uplift of a rigid body at [g]"),
+    ],
+)
+def test_the_table_of_bodies_says_what_its_uplift_is(tmp_path, more, words):
+    """As for the first case; programs have it under one name."""
+    file = tmp_path / "s.yaml"
+    motion = "motion: {pulse: {shape: sine, a_p: 2, T_p: 1}"
+    file.write_text(f"name: s\ncase: {{block: {{h: 1, b: 0.2}}, {motion}{more}}}}}\nvary: {{block.h: [1, 2]}}\n")
+    told = CliRunner().invoke(app, ["check", str(file)])
+    assert told.exit_code == 0, told.output
+    heads = told.stdout[told.stdout.index("  body  ") :].splitlines()[0]
+    assert words in heads
+    assert f"  {words} " in told.stdout
+    (found,) = json.loads(CliRunner().invoke(app, ["check", str(file), "--json"]).stdout)
+    assert [row["uplift at [g]"] for row in found["bodies"]] == pytest.approx([0.2, 0.1])
