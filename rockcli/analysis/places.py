@@ -21,11 +21,11 @@ def units_of(contents: Contents) -> Units:
 
 
 def coordinate(contents: Contents, dim: str, value: Any, units: Units = SI) -> str:
-    """A coordinate value: a label, or at most six digits and g where it is one of accelerations."""
+    """A coordinate value: a label, or at most six digits and, for people, the unit."""
     if isinstance(value, str):
         return value
     attrs = contents.fields[dim].attrs if dim in contents.fields else {}
-    return units.word(float(value), str(attrs.get("units", "1")), axis_path(attrs, ""))
+    return units.coordinate(float(value), str(attrs.get("units", "1")), axis_path(attrs, ""))
 
 
 def coordinates(contents: Contents, dim: str, units: Units) -> NDArray[np.str_]:
@@ -34,7 +34,7 @@ def coordinates(contents: Contents, dim: str, units: Units) -> NDArray[np.str_]:
 
 
 def place(contents: Contents, dims: Iterable[str], at: Iterable[Any], units: Units) -> str:
-    """`model=rigid, motion_record_pga=0.2 g`: the point at some positions on some dimensions."""
+    """`block_R=2 m, motion_record_pga=0.2 g`: the point at some positions on some dimensions."""
     pairs = zip(dims, at, strict=True)
     return ", ".join(f"{dim}={coordinate(contents, dim, contents.values(dim)[int(i)], units)}" for dim, i in pairs)
 

@@ -126,7 +126,9 @@ def _chosen(
 
 def _choices(dataset: xarray.Dataset, axis: str) -> list[str]:
     """The first values of an axis as --at takes them."""
-    from rockcli.plotting.common.labels import coordinate_words
+    from rockcli.plotting.common.labels import axis_values, shown_unit
 
-    words = coordinate_words(dataset, axis)[:8]
-    return [word.replace(" ", "") for word in words] if dataset[axis].dtype.kind == "f" else words
+    if dataset[axis].dtype.kind != "f":
+        return [str(value) for value in dataset[axis].values[:8]]
+    in_g = "g" if shown_unit(dataset, axis)[1] == "g" else ""
+    return [f"{value:.6g}{in_g}" for value in axis_values(dataset, axis)[:8]]

@@ -54,6 +54,11 @@ class Units:
         divisor, shown = self.of(unit, path)
         return f"{value / divisor:.{digits}g}" + (" g" if shown == "g" else "")
 
+    def coordinate(self, value: float, unit: str, path: str = "") -> str:
+        """A coordinate of an axis: with its unit for people, and none in SI units, as programs read it."""
+        divisor, shown = self.of(unit, path)
+        return f"{value / divisor:.6g}" + ("" if self.g is None else unit_words(shown))
+
 
 SI = Units()
 

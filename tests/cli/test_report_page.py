@@ -299,7 +299,7 @@ def test_the_headline_has_the_largest_slide() -> None:
     many = rockcli.run({"name": "many", "case": case, "vary": {"initial.slide_rate": [0.0, 1.0, 5.0]}})
     (said,) = (fact for fact in facts_of(many) if fact.what == "largest slide")
     assert said.value == f"{25.0 / (2.0 * 0.1 * 9.81):.3g} m"
-    assert said.sentence == "along the ground at most, in 2 of 3 cases; most at slide rate 5"
+    assert said.sentence == "along the ground at most, in 2 of 3 cases; most at slide rate 5 m/s"
     assert "largest slide" not in {fact.what for fact in facts_of(many.isel({many.slide_peak.dims[0]: [0]}))}
 
 
@@ -404,7 +404,7 @@ def test_sentences_on_a_suite_keep_the_names_of_symbols() -> None:
     study = SUITE | {"vary": SUITE["vary"] | {"block.h": [1.9, 2.0]}}
     study["case"] = SUITE["case"] | {"block": {"h": 1.9, "b": 0.4}}
     text = page(rockcli.run(study), [])
-    assert "<li>h=1.9: curves begin at uplift" in text
+    assert "<li>h=1.9 m: curves begin at uplift" in text
     assert "H=1.9" not in text
 
 

@@ -131,3 +131,19 @@ def test_g_itself_is_no_multiple_of_g() -> None:
     assert Units(9.0).of("m s-1", "motion.record.pgv") == (1.0, "m s-1")
     assert SI.of("m s-2", "motion.record.pga") == (1.0, "m s-2")
     assert Units(9.0).word(1.8, "m s-2") == "0.2 g"
+
+
+def test_coordinates_of_every_dimension_have_units(solve, tmp_path: Path) -> None:
+    """On the page and in the terminal; programs have numbers alone."""
+    pulse = "pulse: {shape: sine, a_p: 2.9, T_p: 0.5}"
+    vary = "vary: {motion.pulse.T_p: [0.4, 0.8], block.R: [2.0], block.tan_alpha: [0.2], motion.pulse.a_p: [2.7]}"
+    expect = "expect: [{quantity: theta_peak_over_alpha, min: 0}]"
+    file, path, told = solve(
+        f"name: x\ncase: {{g: {G}, block: {{R: 1, alpha: 0.2}}, motion: {{{pulse}}}}}\n{vary}\n{expect}"
+    )
+    at = "T_p=0.8 s, block_R=2 m, tan_alpha=0.2, motion_pulse_a_p=0.3 g"
+    assert f"at {at}" in told
+    page = write_page(path).read_text(encoding="utf-8")
+    assert "at T p 0.8 s" in page
+    (read,) = json.loads(run("run", file, "--no-plots", "--json", "--out", tmp_path / "results"))["studies"]
+    assert read["peak_at"] == "T_p=0.8, block_R=2, tan_alpha=0.2, motion_pulse_a_p=2.7"

@@ -230,12 +230,12 @@ def _label(words: str) -> str:
 
 
 def coordinate_words(dataset: xarray.Dataset, axis: str) -> list[str]:
-    """The coordinates of an axis as plain words, with their unit where that is g."""
+    """The coordinates of an axis as plain words, with their unit."""
     item, units = dataset[axis], units_of(dataset)
     if item.dtype.kind != "f":
         return [str(value) for value in item.values]
     unit, path = str(item.attrs.get("units", "1")), path_of(dataset, axis)
-    return [units.word(float(value), unit, path) for value in item.values]
+    return [units.coordinate(float(value), unit, path) for value in item.values]
 
 
 def escape(words: str) -> str:
