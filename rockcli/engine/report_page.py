@@ -17,9 +17,10 @@ from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
 from rockcli.storage.contents import Contents
+from rockcli.storage.lazy import lazily
 from rockcli.storage.places import check_file
-from rockcli.storage.read import from_xarray, of_a_part, open_dataset, with_axes_left
-from rockcli.storage.table import CURVE, frame_of
+from rockcli.storage.read import from_xarray, of_a_part, with_axes_left
+from rockcli.storage.table import CURVE, items_of, table_of
 from rockcli.study.reopen import clauses_of
 
 if TYPE_CHECKING:
@@ -37,8 +38,9 @@ def write_page(path: Path, out: Path | None = None) -> Path:
     """
     target = path.with_suffix(".html") if out is None else out
     _check(target)
-    dataset = open_dataset(path)
-    _write(dataset, netcdf.read(path), target, whole=not of_a_part(dataset))
+    contents = netcdf.read(path)
+    dataset = lazily(contents)
+    _write(dataset, contents, target, whole=not of_a_part(dataset))
     return target
 
 
@@ -57,10 +59,13 @@ def _check(target: Path) -> None:
 
 
 def _write(dataset: xarray.Dataset, contents: Contents, target: Path, *, whole: bool) -> None:
+    from rockcli.plotting.import_matplotlib import import_lean
+
+    import_lean()
     from rockcli.plotting.page.page import page
 
     judged = [(verdict.passed, _words(verdict)) for verdict in verdicts(contents)] if whole else []
-    write_text(target, page(dataset, judged, tables=[*_suite_tables(dataset), *_rules_table(contents)]))
+    write_text(target, page(dataset, judged, tables=[*_suite_tables(dataset, contents), *_rules_table(contents)]))
 
 
 _LIMITS = (
@@ -84,31 +89,29 @@ _ROWS_SHOWN = 1000
 """Rows of a table of the suite."""
 
 
-def _suite_tables(dataset: xarray.Dataset) -> list[Table]:
+def _suite_tables(dataset: xarray.Dataset, contents: Contents) -> list[Table]:
     """What the suite comes to, as `rock table --of` has it, accelerations in g."""
     found: list[Table] = []
+    words = units_of(contents)
     for of, (title, wanted) in _WANTED.items():
         try:
-            every = frame_of(dataset, of=of)
+            every = table_of(items_of(dataset), dataset.attrs, of=of)
         except StudyError:
             continue
-        bare = {str(head).partition(" [")[0]: head for head in every.columns}
-        about = [head for name, head in bare.items() if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
-        none = [status for status in WHY_NOT if STATUS[status] in set(every.get(CURVE, ()))]
-        wanted = tuple(name for name in wanted if name in bare and (none or name != CURVE))
-        shown = every[[*about, *(bare[name] for name in wanted)]].head(_ROWS_SHOWN)
-        contents = from_xarray(dataset)
-        words = units_of(contents)
+        (block,) = every.blocks(max(every.size, 1))
+        bare = {column.head.partition(" [")[0]: column for column in block}
+        about = [name for name in bare if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
+        said = {*bare[CURVE].values} if CURVE in bare else set()
+        none = [status for status in WHY_NOT if STATUS[status] in said]
         heads, columns = [], []
-        for head in shown.columns:
-            name, _, unit = str(head).partition(" [")
-            divisor, unit = words.of(unit.rstrip("]"))
-            values = shown[head].tolist()
+        for name in (*about, *(name for name in wanted if name in bare and (none or name != CURVE))):
+            divisor, unit = words.of(bare[name].head.partition(" [")[2].rstrip("]"))
+            values = bare[name].values[:_ROWS_SHOWN].tolist()
             heads.append(_said(name) + (f" [{unit}]" if unit else ""))
             columns.append([_cell(v, divisor, name) for v in values])
         notes = [f"{_curve(STATUS[status])}: {why_no_curve(contents, status)}" for status in none]
-        if len(every) > _ROWS_SHOWN:
-            notes.append(f"the first {_ROWS_SHOWN} of {len(every)} rows; all: rock table --of {of}")
+        if every.size > _ROWS_SHOWN:
+            notes.append(f"the first {_ROWS_SHOWN} of {every.size} rows; all: rock table --of {of}")
         found.append((title, heads, [*map(list, zip(*columns, strict=True))], "; ".join(notes)))
     return found
 

@@ -7,6 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
+
+from rockcli.engine.run import run_study
+from rockcli.study.open import open_study
 
 PROGRAM = """
 import sys
@@ -80,6 +84,26 @@ print({NEEDLESS!r} & sys.modules.keys())
     assert not done.stderr
     assert bool(figure) == bool([*tmp_path.glob("*/*.png")])
     assert (tmp_path / figure).exists()
+
+
+def test_the_page_of_a_map_loads_no_xarray(tmp_path: Path) -> None:
+    """As it asks for values, dimensions and single cases alone."""
+    study = yaml.safe_load(FIRST) | {"vary": {"motion.pulse.a_p": [1.0, 2.0, 3.0], "block.R": [1.0, 1.5, 2.0]}}
+    report = run_study(open_study(study), tmp_path, plots=False)
+    program = f"""
+import sys
+from rockcli.cli.main import main
+sys.argv = ["rock", "report", {str(report.file)!r}]
+try:
+    main()
+except SystemExit:
+    pass
+print({{"xarray", "pandas", "mpl_toolkits.mplot3d"}} & sys.modules.keys())
+"""
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("set()\n"), done.stderr
+    assert report.file is not None
+    assert report.file.with_suffix(".html").is_file()
 
 
 def test_a_process_of_python_has_matplotlib_whole() -> None:

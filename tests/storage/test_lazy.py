@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 
+from rockcli.engine.report_page import write_page, write_page_of
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
 from rockcli.plotting.figures import figure, save
@@ -67,6 +68,13 @@ def test_figures_are_the_same_to_the_byte(files: dict[str, Path], tmp_path: Path
         else:
             drawn.append((tmp_path / "drawn.svg").read_bytes())
     assert drawn[0] == drawn[1]
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_pages_are_the_same_to_the_byte(files: dict[str, Path], tmp_path: Path, study: str) -> None:
+    file = write_page(files[study], tmp_path / "file.html")
+    memory = write_page_of(open_dataset(files[study]), tmp_path / "memory.html")
+    assert file.read_bytes() == memory.read_bytes()
 
 
 @pytest.mark.parametrize("study", STUDIES)

@@ -242,8 +242,8 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
     for axis in axes_of(dataset):
         role = path_of(dataset, axis).rsplit(".", 1)[-1]
         if role in AMPLITUDES and is_numeric(dataset, axis):
-            others = [dim for dim in dataset["outcome"].dims if dim != axis]
-            fell = dataset["outcome"].isin(_OVERTURNED).any(dim=others).values
+            flags = dataset["outcome"].transpose(axis, ...).values
+            fell = np.isin(flags, _OVERTURNED).any(axis=tuple(range(1, flags.ndim)))
             if fell.any():
                 unit = shown_unit(dataset, axis)[1]
                 lowest = float(axis_values(dataset, axis)[fell].min())
