@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 
 import rockcli
 from rockcli.errors import StudyError
-from rockcli.scene.response import ROCKING
+from rockcli.scene.response import ROCKING, UNRESOLVED
+from rockcli.solvers.contact.answers import SLIPS_STILL
 
 BODY = {"height": 1.216 * 2, "width": 0.8438 * 2, "mu": 0.5}
 CASE = {
@@ -84,6 +85,19 @@ def test_a_body_let_go_on_ice_falls_straight_down(row):
     assert first == pytest.approx([t, before, after], abs=1e-8)
     assert -float(abs(ds.theta.where(ds.theta < 0)).max()) == pytest.approx(second, abs=1e-6)
     assert int(ds.outcome) == ROCKING
+
+
+@pytest.mark.parametrize(("rate", "outcome"), [(0.2, ROCKING), (2.0, UNRESOLVED)])
+def test_a_slide_that_is_not_followed_to_its_end_is_told(rate, outcome):
+    """Without a loss it rocks on for more than 60/p; as a slide alone it would go rate^2/(2 mu g)."""
+    case = {"block": {"b": 0.2, "h": 1.0, "mu": 1e-4}, "initial": {"theta": "0.3*alpha", "slide_rate": rate}}
+    damping = {"damping": {"scheme": "restitution", "eta": 1.0}}
+    ds = rockcli.run({"name": "ice", "case": case | damping, "save": {"histories": False}})
+    assert int(ds.outcome) == outcome
+    assert float(ds.slide_peak) < 0.5 * rate**2 / (2.0 * 1e-4 * 9.81)
+    assert str(ds.reasons.values[int(ds.reason)]).startswith(SLIPS_STILL)
+    lossy = rockcli.run({"name": "ice", "case": case, "save": {"histories": False}})  # rests on its base, and slides on
+    assert not str(lossy.reasons.values[int(lossy.reason)])
 
 
 @pytest.mark.parametrize(("duration", "peak"), [(None, np.inf), (3.0, 4.0 * 0.35 * (3.0 - 0.175))])

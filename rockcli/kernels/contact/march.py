@@ -211,6 +211,7 @@ def finish(par, how, t, mode, foot, air, balance, dt_out, i_hist, histories, out
         place = math.copysign(math.inf, foot.u)
         if not lasts:
             out[to.SLIDE_PEAK], out[to.TOP_PEAK] = place, math.inf
+    out[to.SLIP_LEFT] = foot.u if mode == SLIDE_ROCK and out[to.VERDICT] != FALLS else 0.0
     out[to.BALANCE], out[to.SLIDE_END] = (balance - left if how.balance else math.nan), place
     if mode == REST:
         write_rest(foot, out[to.T_END], dt_out, i_hist, histories)

@@ -23,6 +23,8 @@ SLIDES = "slides and does not rock: mu is not above tan(alpha)"
 
 SLIDES_ON = "slides on for ever: the ground leaves it with a velocity that no friction stops"
 
+SLIPS_STILL = "slips while it rocks still 60/p after the report, where it is left: its slide goes on from what is told"
+
 
 def frequency(batch: Batch) -> Array:
     """p of the slower edge, (n,) [rad/s]."""
@@ -119,7 +121,7 @@ def _reasons(
     reasons = [""] * batch.size
     outcome = scalars["outcome"]
     counted = (out[:, to.N_JAMS] > 0) | (out[:, to.TWO_WAYS] > 0) | (out[:, to.NEARLY_FLAT] < ILL_POSED)
-    counted |= np.isinf(out[:, to.SLIDE_END])
+    counted |= np.isinf(out[:, to.SLIDE_END]) | (out[:, to.SLIP_LEFT] != 0.0)
     noted = (out[:, to.STATUS] != DONE) | unknown | (outcome == UNRESOLVED) | only | counted
     for i in np.flatnonzero(noted):  # of most there is nothing to say
         row, said = out[i], []
@@ -127,10 +129,12 @@ def _reasons(
             said.append(broke_off(row[to.STATUS], row[to.N_STEPS], row[to.T_END]))
         elif unknown[i]:
             said.append("leaves the ground or tips while it slides: this model has no consistent contact forces")
-        elif outcome[i] == UNRESOLVED:
+        elif outcome[i] == UNRESOLVED and row[to.SLIP_LEFT] == 0.0:
             said.append(ON_SEPARATRIX)
         elif only[i] and outcome[i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
+        if row[to.STATUS] == DONE and row[to.SLIP_LEFT] != 0.0:
+            said.append(SLIPS_STILL)
         if np.isinf(row[to.SLIDE_END]):
             said.append(SLIDES_ON)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
