@@ -238,6 +238,7 @@ def _edges(values: Array, *, log: bool) -> Array:
 
 
 def _monotonic(edges: Array) -> bool:
+    """Whether edges of cells only grow or only fall, as an image of cells takes them."""
     steps = np.diff(edges)
     return bool((steps > 0.0).all() or (steps < 0.0).all())
 
