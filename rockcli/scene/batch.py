@@ -19,6 +19,7 @@ from rockcli.scene.body.column import Base, Column
 from rockcli.scene.ground.excitation import Channel, Excitation, Samples
 from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
+from rockcli.scene.repeated import is_repeated, repeated
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -124,7 +125,7 @@ def _taken(value: T, at: NDArray[np.int64]) -> T:
 
 def _at(of: Array, at: NDArray[np.int64]) -> Array:
     """Rows of an array; one row that stands for all of them is not copied out."""
-    return np.broadcast_to(of[:1], (len(at), *of.shape[1:])) if of.strides[0] == 0 and len(of) else of[at]
+    return repeated(of[:1], len(at)) if is_repeated(of) else of[at]
 
 
 def _channel(channel: Channel | None, at: NDArray[np.int64], n: int) -> Channel | None:

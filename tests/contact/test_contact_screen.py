@@ -40,7 +40,8 @@ def test_none_that_slides_is_let_through(kind):
 
 def test_a_map_with_friction_has_the_bits_of_one_without_where_it_holds():
     batch = scene("ricker", 60)
-    batch = dataclasses.replace(batch, save=dataclasses.replace(batch.save, scalars=frozenset(SCALARS_LARGE)))
+    asked = frozenset({*SCALARS_LARGE, "theta_peak"})
+    batch = dataclasses.replace(batch, save=dataclasses.replace(batch.save, scalars=asked))
     free = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=np.full(batch.size, np.nan)))
     one, other = solve(batch).scalars, solve(free).scalars
     held = surely_holds(batch, np.abs(other["theta_peak"]), other["outcome"] < 2)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rockcli.scene.body.scan import Scan
+from rockcli.scene.repeated import once, repeated
 
 Array = NDArray[np.float64]
 
@@ -90,7 +92,7 @@ class Block:
     @cached_property
     def symmetric(self) -> NDArray[np.bool_]:
         """Where both edges are equally far from the centre of mass and equally high, (n,)."""
-        return np.asarray((self.b[:, LEFT] == self.b[:, RIGHT]) & (self.rise == 0.0))
+        return once(lambda b, rise: (b[:, LEFT] == b[:, RIGHT]) & (rise == 0.0), self.b, self.rise)
 
     @property
     def heights(self) -> Array:
@@ -108,15 +110,24 @@ class Block:
 
         The symbols `R alpha tan_alpha b p` of an asymmetric body are those of this edge.
         """
-        return np.asarray(np.argmin(self.tan_alpha, axis=1))
+        return once(lambda tan_alpha: np.argmin(tan_alpha, axis=1), self.tan_alpha)
 
     def of_weak_edge(self, both: Array) -> Array:
         """Pick the weak edge's column of a (n, 2) array: (n,)."""
-        return np.where(self.weak == LEFT, both[:, LEFT], both[:, RIGHT])
+        return once(lambda weak, both: np.where(weak == LEFT, both[:, LEFT], both[:, RIGHT]), self.weak, both)
 
     def p(self, g: Array) -> Array:
         """Frequency parameter of each edge, p = sqrt(m g R / I_O) (2.2), (n, 2) [rad/s]."""
-        return np.sqrt(g[:, None] / (self.inertia * self.R))
+        return once(lambda g, inertia, R: np.sqrt(g[:, None] / (inertia * R)), g, self.inertia, self.R)
+
+    def repeated(self, n: int) -> Block:
+        """One body for n cases, or bodies that are as many already."""
+        if self.size == n:
+            return self
+        arrays: dict[str, Any] = {
+            f.name: repeated(value, n) for f in fields(self) if isinstance(value := getattr(self, f.name), np.ndarray)
+        }
+        return replace(self, **arrays)
 
 
 def make_block(
@@ -198,7 +209,7 @@ def housner_eta(block: Block) -> Array:
     for a rectangle 1 - 1.5 sin^2(alpha) [3.2].  It is negative for tan(alpha) > sqrt 2 (rectangle):
     the caller clamps and says so.
     """
-    symmetric = 1.0 - 2.0 * np.sin(block.alpha) ** 2 / block.inertia
+    symmetric = once(lambda alpha, inertia: 1.0 - 2.0 * np.sin(alpha) ** 2 / inertia, block.alpha, block.inertia)
     if block.symmetric.all():
         return symmetric
     I_cm = (block.inertia - 1.0) * block.R**2

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.body.block import Block, housner_eta
 from rockcli.scene.ground.spectra import DesignSpectrum
+from rockcli.scene.repeated import once, repeated
 
 Array = NDArray[np.float64]
 
@@ -133,7 +134,7 @@ class Scheme:
 
 
 def _lossless(block: Block) -> Array:
-    return np.ones((len(block.h), 2))
+    return repeated(np.ones((1, 2)), block.size)
 
 
 def _or(value: Array | None, default: float, block: Block) -> Array:
@@ -152,11 +153,10 @@ def _restitution(values: Values, block: Block, g: Array) -> Damping:
     eta, r_energy = values["eta"], values["r_energy"]
     if r_energy is not None:
         eta = np.sqrt(r_energy)
-    if eta is not None and block.vertices is None:
-        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1))
-    housner = housner_eta(block)
     if eta is not None:
-        return Damping("restitution", np.repeat(eta[:, None], 2, axis=1), loss=_power(eta, housner))
+        both = once(lambda eta: np.repeat(eta[:, None], 2, axis=1), eta)
+        return Damping("restitution", both, loss=None if block.vertices is None else _power(eta, housner_eta(block)))
+    housner = housner_eta(block)
     kept = np.maximum(housner, 0.0) if (housner < 0.0).any() else housner
     if values["loss"] is None:
         return Damping("restitution", kept, loss=_loss(block, np.ones(block.size)))
@@ -177,7 +177,7 @@ def _power(eta: Array, housner: Array) -> Array:
 
 def _clamped(values: Values, block: Block) -> NDArray[np.bool_]:
     by_housner = values["eta"] is None and values["r_energy"] is None
-    return np.asarray((housner_eta(block) < 0.0).any(axis=1) & by_housner)
+    return once(lambda eta: (eta < 0.0).any(axis=1) & by_housner, housner_eta(block))
 
 
 def _dashpot(values: Values, block: Block, g: Array) -> Damping:

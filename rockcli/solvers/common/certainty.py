@@ -282,6 +282,8 @@ def _between(share: Array) -> Mask:
 
 def withdraw(scalars: Scalars, which: Mask) -> None:
     """Make cases `unresolved`: what they came to is not known, and no scalar that is not in `KEPT`."""
+    if not which.any():
+        return
     scalars["outcome"][which] = UNRESOLVED
     for name in scalars.keys() - KEPT:
         scalars[name] = np.where(which, np.nan, scalars[name])

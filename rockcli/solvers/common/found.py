@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -30,6 +30,10 @@ Mask = NDArray[np.bool_]
 
 IMPACTS = ("t_impact", "theta_dot_before", "theta_dot_after")
 """Variables of an impact."""
+
+
+READ_BY_SOLVERS = frozenset({"outcome", "n_impacts", "t_overturn", "theta_peak_over_alpha"})
+"""Scalars that are made whatever is asked for: solvers look at them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,23 +79,28 @@ class Found:
         """Values of cases that have an answer."""
         return np.where(self.failed, np.nan, values)
 
-    def scalars(self, batch: Batch) -> dict[str, NDArray[Any]]:
-        """By name; theta_peak over alpha of the left edge."""
+    @cached_property
+    def theta_peak(self) -> Array:
+        """Largest |theta| with its sign."""
         peak = self.largest(self.peak)
+        return np.where(peak == 0.0, 0.0, np.copysign(peak, self.side))
+
+    def scalars(self, batch: Batch) -> dict[str, NDArray[Any]]:
+        """By name those that are asked for, and what solvers read; theta_peak over alpha of the left edge."""
         duration = batch.excitation.duration
-        passing = self.fell | ~self.moved | (self.outcome < 0)
-        return {
-            "outcome": self.outcome,
-            "theta_peak": np.where(peak == 0.0, 0.0, np.copysign(peak, self.side)),
-            "theta_peak_over_alpha": peak / batch.block.alpha[:, LEFT],
-            "theta_dot_peak": self.largest(self.rate),
-            "u_top_peak": self.largest(self.top),
-            "t_peak": np.where(passing, np.nan, self.t_peak),
-            "t_uplift": self.unless_failed(self.t_uplift),
-            "t_overturn": np.where(self.fell & ~self.failed, self.t_overturn, np.nan),
-            "t_end": self.unless_failed(np.where(np.isfinite(duration), duration, self.t_end)),
-            "n_impacts": self.n_impacts,
+        each: dict[str, Callable[[], NDArray[Any]]] = {
+            "outcome": lambda: self.outcome,
+            "theta_peak": lambda: self.theta_peak,
+            "theta_peak_over_alpha": lambda: self.largest(self.peak) / batch.block.alpha[:, LEFT],
+            "theta_dot_peak": lambda: self.largest(self.rate),
+            "u_top_peak": lambda: self.largest(self.top),
+            "t_peak": lambda: np.where(self.fell | ~self.moved | (self.outcome < 0), np.nan, self.t_peak),
+            "t_uplift": lambda: self.unless_failed(self.t_uplift),
+            "t_overturn": lambda: np.where(self.fell & ~self.failed, self.t_overturn, np.nan),
+            "t_end": lambda: self.unless_failed(np.where(np.isfinite(duration), duration, self.t_end)),
+            "n_impacts": lambda: self.n_impacts,
         }
+        return {name: find() for name, find in each.items() if name in READ_BY_SOLVERS | batch.save.scalars}
 
 
 def residual_tilt(batch: Batch, found: Found) -> Array:

@@ -59,7 +59,7 @@ def answer(
         struck_later=out[:, to.STRUCK_LATER] > 0.0,
     )
     scalars = found.scalars(batch)
-    scalars |= _by_side(batch, out, scalars["theta_peak"])
+    scalars |= _by_side(batch, out, found.theta_peak)
     slid, least = _standing(out, fell)
     outcome = scalars["outcome"]
     scalars["outcome"] = np.where((outcome == NO_UPLIFT) & (slid > 0.0), SLIDING, outcome).astype(np.int8)

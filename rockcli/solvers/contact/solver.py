@@ -18,6 +18,7 @@ from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.numerics import Accuracy
+from rockcli.scene.repeated import repeated
 from rockcli.scene.response import FAILED, NO_UPLIFT, Response, overturned
 from rockcli.scene.variables import SCALARS_SLIDING
 from rockcli.solvers.common.certainty import (
@@ -66,12 +67,13 @@ def with_contact(batch: Batch, response: Response, level: Accuracy, opened: Open
     """
     given = np.isfinite(batch.block.mu)
     scalars: dict[str, Any] = dict(response.scalars)
+    if not given.any():
+        nothing = repeated(np.full(1, np.nan), batch.size)
+        return replace(response, scalars=scalars | dict.fromkeys(SCALARS_SLIDING, nothing))
     unknown = ~given | (np.asarray(scalars["outcome"]) < NO_UPLIFT)
     for name in SCALARS_SLIDING:
         scalars[name] = np.where(unknown | name.startswith("t_"), np.nan, 0.0)
     scalars["slide_residual"] = np.where(overturned(np.asarray(scalars["outcome"])), np.nan, scalars["slide_residual"])
-    if not given.any():
-        return replace(response, scalars=scalars)
     histories = dict(response.histories)
     if histories:
         histories |= held_histories(batch, histories)

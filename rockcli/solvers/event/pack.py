@@ -14,6 +14,7 @@ from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.scene.laws.models import MODELS, Law
 from rockcli.scene.numerics import Accuracy
+from rockcli.scene.repeated import is_repeated, once, repeated
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of
 
@@ -33,7 +34,9 @@ def parameters_of(batch: Batch) -> Array:
     alpha, tan_alpha = _once(block.alpha, block.tan_alpha)
     law = model.law(alpha, tan_alpha)
     of_law = (law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, _slope(law, model.linear))
-    apart = (_once(each)[0] for each in (batch.p**2, block.alpha, batch.damping.eta, _damper(batch), block.R))
+    apart = (
+        _once(each)[0] for each in (once(np.square, batch.p), block.alpha, batch.damping.eta, _damper(batch), block.R)
+    )
     p2, alpha, eta, damper, R = apart
     edges = [np.broadcast_to(each, shape) for each in (p2, alpha, *of_law, eta, damper, R)]
     lasts = durations_of(batch)
@@ -56,6 +59,8 @@ def parameters_of(batch: Batch) -> Array:
 
 def _once(*values: Array) -> tuple[Array, ...]:
     """Values (n, 2), or the first row of each where all rows of all are alike, (1, 2)."""
+    if all(map(is_repeated, values)):
+        return tuple(each[:1] for each in values)
     flat = [each.reshape(-1) for each in values]  # numpy is slow over an axis of two
     alike = all(bool((each[2:] == each[:-2]).all()) for each in flat)
     return tuple(each[:1] for each in values) if alike else values
@@ -83,7 +88,7 @@ def _damper(batch: Batch) -> Array:
     """c / I_O of the base damper about each edge, (n, 2) [1/s]."""
     block, coefficient = batch.block, batch.damping.coefficient
     if coefficient is None:
-        return np.zeros_like(block.alpha)
+        return repeated(np.zeros((1, 2)), batch.size)
     return dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, batch.g[:, None])
 
 

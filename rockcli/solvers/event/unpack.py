@@ -13,8 +13,8 @@ from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT, impulse_ratio
 from rockcli.scene.laws.models import MODELS
+from rockcli.scene.repeated import repeated
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
-from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw
 from rockcli.solvers.common.found import (
     IMPACTS,
@@ -30,11 +30,6 @@ from rockcli.solvers.common.found import (
 from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
-
-COLUMNS: dict[str, int] = {
-    name: getattr(to, name.upper()) for name in SCALARS if getattr(to, name.upper(), to.N_OUT) < to.N_OUT
-}
-"""Scalars that have a column of their name in the results of the kernel."""
 
 FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
 """Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
@@ -61,8 +56,9 @@ def scalars_of(
     batch: Batch, run: Raw, slides: NDArray[np.bool_] | bool = False
 ) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output; none where `slides` has another solver answer."""
-    out = run.out
+    out, asked, nothing = run.out, batch.save.scalars, repeated(np.full(1, np.nan), batch.size)
     status, verdict = out[:, to.STATUS], out[:, to.VERDICT]
+    sides = out[:, [to.PEAK_LEFT, to.PEAK_RIGHT]] if batch.block.rise.any() else None
     found = Found(
         moved=np.isfinite(out[:, to.T_UPLIFT]),
         fell=verdict == FALLS,
@@ -72,7 +68,7 @@ def scalars_of(
         peak=out[:, to.PEAK],
         side=out[:, to.PEAK_SIDE],
         rate=out[:, to.RATE_PEAK],
-        top=rigid_top(batch, out[:, to.PEAK], out[:, [to.PEAK_LEFT, to.PEAK_RIGHT]]),
+        top=rigid_top(batch, out[:, to.PEAK], sides) if "u_top_peak" in asked else nothing,
         t_peak=out[:, to.T_PEAK],
         t_uplift=out[:, to.T_UPLIFT],
         t_overturn=out[:, to.T_OVERTURN],
@@ -80,35 +76,33 @@ def scalars_of(
         struck_later=out[:, to.STRUCK_LATER] > 0.0,
     )
     left, right, ratio = _by_side(batch, out, found.largest(out[:, to.PEAK]))
-    mu_required, N_min = standing_extremes(out, found.fell)
     unseen = found.failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
-    asked, nothing = batch.save.scalars, np.full(batch.size, np.nan)
+    mu_required, N_min = (nothing, nothing) if unseen.all() else standing_extremes(out, found.fell)
     friction = "mu_impact" in asked or bool(np.isfinite(batch.block.mu).any())
-    onto = out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0
+    onto, steps = (out[:, to.ONTO_LEFT] > 0, out[:, to.ONTO_RIGHT] > 0), counts(out[:, to.N_STEPS])
 
     tilted = batch.block.rise != 0.0  # forces are found along and across a level base
 
     def seen(values: Array) -> Array:
-        return np.where(unseen, np.nan, values)
+        return values if values is nothing else np.where(unseen, np.nan, values)
 
     def of_level(values: Array) -> Array:
-        return np.where(tilted, np.nan, values)
+        return np.where(tilted, np.nan, values) if tilted.any() else values
 
     scalars = found.scalars(batch)
     scalars |= {
         "theta_peak_left": left,
         "theta_peak_right": right,
         "theta_peak_over_alpha": ratio,
-        "theta_dot_peak": seen(scalars["theta_dot_peak"]),
+        "theta_dot_peak": seen(found.largest(found.rate)) if "theta_dot_peak" in asked else nothing,
         "mu_required": of_level(seen(mu_required)),
         "mu_impact": of_level(found.unless_failed(_impact_friction(batch, *onto))) if friction else nothing,
         "N_min_over_mg": of_level(seen(N_min)),
         "energy_residual": seen(over(out[:, to.ENERGY], barrier(batch))) if "energy_residual" in asked else nothing,
-        "residual_tilt": residual_tilt(batch, found),
-        "n_steps": counts(out[:, to.N_STEPS]),
-        "n_rhs": counts(out[:, to.N_STEPS]),  # a step is one expansion
+        "residual_tilt": residual_tilt(batch, found) if "residual_tilt" in asked else nothing,
+        "n_steps": steps,
+        "n_rhs": steps,  # a step is one expansion
     }
-    scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
     return scalars, sentences_of(batch, scalars, out, slides)
 
 

@@ -16,7 +16,7 @@ from rockcli.scene.body.lower_outline import Facets, rolled
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.common.found import IMPACTS, Found, counts
 from rockcli.solvers.common.ground import ground_history
-from rockcli.solvers.event.unpack import COLUMNS, Raw, over, sentences_of, standing_extremes
+from rockcli.solvers.event.unpack import Raw, over, sentences_of, standing_extremes
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         "theta_peak_left": both[0],
         "theta_peak_right": both[1],
         "theta_peak_over_alpha": np.maximum(both[0] / alpha[:, LEFT], both[1] / alpha[:, RIGHT]),
-        "theta_dot_peak": seen(scalars["theta_dot_peak"]),
+        "theta_dot_peak": seen(found.largest(found.rate)),
         "mu_required": seen(mu_required),
         "mu_impact": found.unless_failed(out[:, also.MU_IMPACT]),
         "N_min_over_mg": seen(N_min),
@@ -72,7 +72,6 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),
     }
-    scalars |= {name: found.unless_failed(out[:, column]) for name, column in COLUMNS.items() if name not in scalars}
     reasons = sentences_of(batch, scalars, out, unsolved=UNSOLVED_ROLLING)
     with np.errstate(invalid="ignore"):
         elsewhere = np.flatnonzero((np.abs(scalars["residual_tilt"]) > 0.0) & (scalars["outcome"] >= NO_UPLIFT))

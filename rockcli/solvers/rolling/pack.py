@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rockcli.kernels.rolling import parameters as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.lower_outline import Facets, facets_of
+from rockcli.scene.repeated import is_repeated
 from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.ground import factors_of
 
@@ -18,7 +19,7 @@ def facets_in(batch: Batch) -> Facets:
     """The facets of every body, or of one for all where they are the same."""
     vertices = batch.block.vertices
     assert vertices is not None
-    return facets_of(vertices[:1] if vertices.strides[0] == 0 else vertices)
+    return facets_of(vertices[:1] if is_repeated(vertices) else vertices)
 
 
 def parameters_of(batch: Batch, facets: Facets) -> tuple[Array, Array]:

@@ -65,7 +65,7 @@ def sufficient_pair(numbers: Numbers) -> Block:
     with np.errstate(all="ignore"):
         if edges is not None:
             return _finite(numbers, make_block(h=_h(numbers, block), b=edges, n=numbers.n), names)
-        return _finite(numbers, _symmetric(numbers, block), names)
+        return _finite(numbers, _symmetric(numbers, block), names).repeated(numbers.n)
 
 
 def _check_planes(numbers: Numbers, block: BlockPart) -> None:
@@ -170,6 +170,7 @@ def _outlined(numbers: Numbers) -> Block:
 
 
 def _symmetric(numbers: Numbers, block: BlockPart) -> Block:
+    """Rectangles of equal edges: one where no size differs from case to case."""
     R = numbers.positive((*BLOCK, "R"))
     h, b = _h(numbers, block), _b(numbers, block)
     tan_alpha, alpha = _angle(numbers, block)
@@ -186,8 +187,9 @@ def _symmetric(numbers: Numbers, block: BlockPart) -> Block:
         b = h * tan_alpha
     elif tan_alpha is not None:
         h = b / tan_alpha
-    column = numbers.array(b)[:, None]
-    return make_block(h=h, b=np.repeat(column, 2, axis=1), R=R, alpha=alpha, tan_alpha=tan_alpha, n=numbers.n)
+    n = numbers.n if np.ndim(h) or np.ndim(b) else 1
+    column = np.broadcast_to(np.asarray(b, dtype=np.float64), (n,))[:, None]
+    return make_block(h=h, b=np.repeat(column, 2, axis=1), R=R, alpha=alpha, tan_alpha=tan_alpha, n=n)
 
 
 def _edges(numbers: Numbers, block: BlockPart) -> NDArray[np.float64] | None:

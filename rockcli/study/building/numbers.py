@@ -159,7 +159,7 @@ class Numbers:
 
     def array(self, value: Value) -> Array:
         """A number of every case, (n,)."""
-        return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=np.float64), (self.n,)))
+        return np.broadcast_to(np.asarray(value, dtype=np.float64), (self.n,))
 
     def require(self, keys: Keys, good: Any, message: str) -> None:
         """Raise StudyError about `keys` at the first case where `good`, a bool, (n,) or (n, ...), is not all true."""
