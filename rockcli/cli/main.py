@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import io
 import os
@@ -103,6 +104,7 @@ def _records(context: typer.Context) -> None:
 def main() -> None:
     """Run the command; every error the user can mend is one sentence on stderr."""
     gc.set_threshold(SELDOM)
+    atexit.register(gc.freeze)  # nothing is looked through when the process ends: a seventh of a short command's time
     _open_what_is_closed()
     _print_what_a_stream_lacks()
     with answered(), _dask_left_alone():

@@ -116,3 +116,16 @@ print(plt.figure().add_subplot(projection="3d").name, "linewidth" in plt.Line2D.
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["3d", "True"]
+
+
+AT_THE_END = """
+import atexit, gc, sys
+atexit.register(lambda: print(gc.get_freeze_count() > 10_000))  # called after what is registered later
+from rockcli.cli.main import main
+main()
+"""
+
+
+def test_nothing_is_left_to_look_through_when_a_command_ends() -> None:
+    done = subprocess.run([sys.executable, "-c", AT_THE_END, "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.split()[-1] == "True"
