@@ -230,6 +230,7 @@ def test_without_the_library_nothing_is_written(made, tmp_path, monkeypatch, end
 
 
 def test_a_sheet_too_long_is_refused_before_writing(tmp_path):
+    pytest.importorskip("openpyxl", reason="sheets are written by openpyxl: pip install -e '.[tables]'")
     n = 1_048_576
     fields = {
         "size": axis_field("size", "block.R", np.arange(n), numeric=True, unit="m"),

@@ -129,7 +129,7 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
         lines.append((f"{words}\N{DEGREE SIGN}, $R$ = {R[edge]:.4g} m", colour))
     if np.allclose([alpha[LEFT], R[LEFT]], [alpha[RIGHT], R[RIGHT]], rtol=1e-9, atol=0.0):  # one line for both
         lines = [(lines[0][0].replace(r"_{\mathrm{left}}", ""), "black")]
-    if narrow:
+    if narrow or (beside and len(lines) > 1):  # words of two edges are too long for the room beside a body
         lines = [(part, colour) for words, colour in lines for part in words.split(", ")]
     axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
     axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
