@@ -54,7 +54,13 @@ from rockcli.study.plots import looks_of, said_of
 from rockcli.study.rules_spectrum import read_rules_spectrum
 from rockcli.study.schema import NO_PLOTS, CasePart, OverPart, StudyPart
 from rockcli.study.study import BASES, SAMPLE, Axis, Expect, Index, Over, Study, Uncertain
-from rockcli.study.unused import overridden_axes, replaced_records, rules_without_friction, unused_symbols
+from rockcli.study.unused import (
+    alternatives_left_out,
+    overridden_axes,
+    replaced_records,
+    rules_without_friction,
+    unused_symbols,
+)
 
 HISTORIES_UP_TO = 100
 """Cases up to which histories are saved unless the study says otherwise."""
@@ -205,6 +211,7 @@ def _ineffective(
         *without_effect(base, variations, overrides),
         *unused_symbols(tree, variations),
         *replaced_records(base, variations),
+        *alternatives_left_out(base, variations),
         *overridden_axes(variations),
         *rules_without_friction(base, variations, part.rules),
     )

@@ -1,4 +1,4 @@
-"""Warnings about what has no use in a study: keys of the solver, symbols, axes that others override."""
+"""Warnings about what has no use in a study: keys that others leave out, symbols, axes that others override."""
 
 from __future__ import annotations
 
@@ -8,7 +8,16 @@ from typing import Any
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
-from rockcli.study.document.overlay import Setting, form, left_beside, of_each_form, overlaid
+from rockcli.study.document.overlay import (
+    Setting,
+    alternatives,
+    form,
+    leaves,
+    left_beside,
+    of_each_form,
+    overlaid,
+    remaining,
+)
 from rockcli.study.document.tree import Map, value_at
 from rockcli.study.schema import SolverPart
 
@@ -84,6 +93,32 @@ def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
                 path, key = variation.axis.path, ".".join((*at[1:], "file"))
                 said.append(f"the axis {path} replaces the whole record, {lost} with it; {key} changes the file only")
     return said
+
+
+def alternatives_left_out(study: Map, variations: Sequence[Variation]) -> list[str]:
+    """A sentence where the base case says two things of which a case has one, and an axis of one drops the other."""
+    said = []
+    for at, both in _said_together(study, ()):
+        for variation in variations:
+            forms = of_each_form(variation.points()).values()
+            left = remaining(study, forms) | {path for point in forms for path, _ in leaves(overlaid({}, point))}
+            gone = [key for key in both if not any(path[: len(at) + 1] == (*at, key) for path in left)]
+            if gone and len(gone) < len(both):
+                (key,) = {*both} - {*gone}
+                said.append(
+                    f"{'.'.join((*at, gone[0]))} has no effect: the axis {variation.axis.path} is of {key}, beside "
+                    f"which {gone[0]} cannot stand; leave one of them out of the base case"
+                )
+    return said
+
+
+def _said_together(tree: Map, at: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], tuple[str, str]]]:
+    """Mappings of a tree, by their keys, and two keys in them that are alternatives."""
+    given = [key for key, value in tree.items() if value is not None]
+    for i, key in enumerate(given):
+        yield from ((at, (key, other)) for other in given[i + 1 :] if other in alternatives(key))
+        if isinstance(tree[key], dict) and (at or key == "case"):
+            yield from _said_together(tree[key], (*at, key))
 
 
 def overridden_axes(variations: Sequence[Variation]) -> list[str]:

@@ -208,3 +208,40 @@ class TestOverriddenAxes:
     )
     def test_one_of_which_something_is_left_is_not(self, vary):
         assert self.said(vary) == []
+
+
+RECORD = {"file": "synthetic_pulse_m70.AT2"}
+
+
+class TestAlternativesLeftOut:
+    """Two things in the base case of which a case has one: an axis of one drops the other, and says so."""
+
+    @staticmethod
+    def said(case, vary):
+        study = open_study({"name": "x", "case": case, "vary": vary})
+        return [sentence for sentence in study.warnings if "cannot stand" in sentence]
+
+    @pytest.mark.parametrize(
+        ("case", "vary", "lost", "axis"),
+        [
+            ({"block": BLOCK, "motion": {"pulse": PULSE, "record": RECORD}}, {A_P: [3, 4]}, "case.motion.record", A_P),
+            ({"block": BLOCK, "motion": {"pulse": PULSE, "record": RECORD}}, {"motion.record.pga": [3, 4]},
+             "case.motion.pulse", "motion.record.pga"),
+            ({"block": BLOCK, "damping": {"eta": 0.9, "r_energy": 0.8}}, {"damping.eta": [0.8, 0.9]},
+             "case.damping.r_energy", "damping.eta"),
+        ],
+    )  # fmt: skip
+    def test_what_an_axis_drops_is_named(self, case, vary, lost, axis):
+        (sentence,) = self.said(case | {"initial": {"theta": 0.01}}, vary)
+        assert sentence.startswith(f"{lost} has no effect: the axis {axis} is of ")
+
+    @pytest.mark.parametrize(
+        ("motion", "vary"),
+        [
+            ({"pulse": PULSE, "record": RECORD}, {"motion": {"a": {"pulse": None}, "b": {"record": None}}}),
+            ({"pulse": PULSE}, {A_P: [3, 4]}),
+            ({"record": RECORD}, {"motion": {"a": {"pulse": PULSE}, "b": {}}}),
+        ],
+    )
+    def test_settings_that_choose_are_not(self, motion, vary):
+        assert self.said({"block": BLOCK, "motion": motion}, vary) == []
