@@ -261,6 +261,9 @@ class TestOverrides:
         [
             ("block.R", "2", "did you mean 'case.block.R'"),
             ("case.block.r", "2", "did you mean 'case.block.R'"),
+            ("R", "2", "did you mean 'case.block.R'"),
+            ("a_p", "2", "did you mean 'case.motion.pulse.a_p'"),
+            ("plot", "[]", "did you mean 'plots'"),
             ("case.block.R", "[1", "not YAML"),
             ("case.block.R", "big", "`big` is not known"),
             ("nothing", "2", "not a key of a study"),

@@ -98,6 +98,11 @@ def test_every_key_and_item_knows_its_line(tmp_path):
         ("a: &x [*x]\n", 1, "nested too deeply"),
         ("%YAML 9.9\n---\na: 1\n", 1, "not YAML"),
         (b"a: 1\nb: \xff\xfe\n", 2, "no UTF-8 text"),
+        ("name: a\n".encode("utf-16"), 1, "UTF-16 text"),
+        ("a:\n  b:\xa02\n  c: 3\n", 2, "no-break space"),
+        ("a:\n  c: 3\n  b:\xa02\n", 3, "no-break space"),
+        ("a: {b:\xa02, c: 3}\n", 1, "no-break space"),
+        ("a:\n\xa0\xa0b: 2\n", 2, "no-break space"),
         (b"\x00\x01\x02\x89HDF\r\n", None, ""),
         ("a: 1\x00\n", None, "not YAML"),
     ],
@@ -109,6 +114,10 @@ def test_what_is_no_study_is_one_clear_error(tmp_path, text, line, words):
     assert caught.value.file.endswith("study.yaml")
     if line is not None:
         assert caught.value.line == line
+
+
+def test_a_no_break_space_inside_a_name_is_a_letter(tmp_path):
+    assert load(tmp_path, "vase\xa03: a\n") == {"vase\xa03": "a"}
 
 
 def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path):

@@ -35,6 +35,9 @@ class TestExpressions:
             ("3*(g", r"lacks 1 \)"),
             ("3*g)", r"lacks 1 \("),
             ("3..2", "numbers, names"),
+            ("20%", "write 0.2$"),
+            ("2.5 %", "write 0.025$"),
+            ("10\N{DEGREE SIGN}", r"write 10\*deg"),
         ],
     )
     def test_slips(self, text, words):

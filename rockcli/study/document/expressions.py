@@ -186,12 +186,18 @@ def parse(text: str) -> Expression:
     return Expression(text, frozenset(names), tuple(steps))
 
 
+_SHARE = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)\s*%")
+_DEGREES = re.compile(r"(-?[0-9.]+)\s*\N{DEGREE SIGN}")
 _COMMA = re.compile(r"[0-9],[0-9]")
 _PRODUCT = re.compile(r"(?<![\w.])([0-9]+\.?[0-9]*|\.[0-9]+)\s*([A-Za-z_]\w*|\()")
 
 
 def _slip(text: str) -> str | None:
     """What was probably meant by text that is no expression; None if nobody knows."""
+    if (share := _SHARE.fullmatch(text)) is not None:
+        return f"a share is a number: write {float(share[1]) / 100:g}"
+    if (angle := _DEGREES.fullmatch(text)) is not None:
+        return f"write {angle[1]}*deg"
     if "^" in text:
         return "write ** for ^"
     if _COMMA.search(text):

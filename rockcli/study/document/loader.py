@@ -7,6 +7,7 @@ of two equal keys win.  Here the nodes are PyYAML's and the values are not.
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,9 @@ PLAIN, TEXT, COLLECTION = "plain", "text", "collection"
 ALLOWED = {PLAIN, TEXT, COLLECTION, *(f"tag:yaml.org,2002:{kind}" for kind in ("str", "seq", "map"))}
 """Tags of nodes: those without a tag of their own, and the harmless ones one may write."""
 
+
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+"""Comes with text from web pages; to YAML it is a letter."""
 
 _INDENTED = (
     "expected <block end>, but found '<block mapping start>'",
@@ -84,7 +88,10 @@ def load_any(path: Path) -> Any:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise StudyError(f"is no UTF-8 text (byte {error.start})", file=path, line=line) from None
+        what = f"is no UTF-8 text (byte {error.start})"
+        if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+            what = "is UTF-16 text, as some programs on Windows write it: save it as UTF-8"
+        raise StudyError(what, file=path, line=line) from None
     return _parse(text, Source(path), None)
 
 
@@ -139,6 +146,9 @@ def _parse(text: str, source: Source, label: str | None) -> Any:
             )
         elif problem.startswith("could not find expected ':'"):
             problem = "a key without `: ` and a value, or a line that is not indented as its neighbours"
+        no_break = next((n for n, row in enumerate(text.splitlines()[:line], 1) if f":{_NO_BREAK}" in row), None)
+        if no_break is not None:
+            line, problem = no_break, "a no-break space behind the colon: type a plain one"
         raise source.placed(label or line, f"not YAML: {problem}") from None
     except yaml.reader.ReaderError as error:
         found = yaml.reader.Reader.NON_PRINTABLE.search(text)
@@ -188,6 +198,8 @@ class _Builder:
             if not isinstance(key_node, yaml.ScalarNode):
                 raise self.source.placed(self.place(key_node), "a key is a word, not a list or a mapping")
             key = key_node.value
+            if f":{_NO_BREAK}" in key or key.strip(_NO_BREAK) != key:
+                raise self.source.placed(self.place(key_node), f"{key!r} has a no-break space: type a plain one there")
             if why := _unfit(key):
                 raise self.source.placed(self.place(key_node), why)
             if key in result:

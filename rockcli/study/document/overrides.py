@@ -9,8 +9,8 @@ from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import fields_at
 from rockcli.study.document.loader import NAMES, load_value
 from rockcli.study.document.overlay import leaves, overlaid, remaining
-from rockcli.study.document.paths import resolve
-from rockcli.study.document.tree import Map, nearest, value_at
+from rockcli.study.document.paths import likely, resolve
+from rockcli.study.document.tree import Map, meant, nearest, value_at
 from rockcli.study.schema import StudyPart
 
 
@@ -74,4 +74,6 @@ def _hint(path: str) -> str:
     try:
         return f"did you mean {'.'.join(resolve(path))!r}?"
     except StudyError:
-        return nearest(path.split(".")[0], StudyPart.model_fields)
+        top, inside = path.split(".")[0], likely(f"case.{path}")
+        known = meant(top, StudyPart.model_fields) is not None or inside is None
+        return nearest(top, StudyPart.model_fields) if known else f"did you mean {inside!r}?"

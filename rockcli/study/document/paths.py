@@ -118,14 +118,18 @@ def is_path(text: str) -> bool:
     return True
 
 
-def _hint(text: str) -> str:
-    """The path that is meant, from the top of a study where the text is."""
+def likely(text: str) -> str | None:
+    """The path that is probably meant, from the top of a study where the text is; None if none is like it."""
     bare = text.removeprefix("case.")
     last = bare.rsplit(".", 1)[-1]
     same = [path for path in _all_paths() if path.rsplit(".", 1)[-1] == last]
     close = "motion.record.file" if last == "record" else same[0] if same else meant(bare, _all_paths())
-    top = text.removesuffix(bare)
-    return nearest(text, _all_paths()) if close is None else f"did you mean {top + close!r}?"
+    return None if close is None else text.removesuffix(bare) + close
+
+
+def _hint(text: str) -> str:
+    close = likely(text)
+    return nearest(text, _all_paths()) if close is None else f"did you mean {close!r}?"
 
 
 @cache
