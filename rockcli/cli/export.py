@@ -59,17 +59,21 @@ def export(
     check_folder(folder)
     written = 0
     said: dict[str, None] = {}
+    refused: dict[str, list[str]] = {}
     for number, batch, i in _cases(study, case):
         label = _label(study, number)
         try:
             script = _script(batch, i, f"case_{number}", f"Study {study.name}, case {number}{label}.")
         except SolverError as error:
-            say(f"rock: {study.name}: case {number}{label}: {error}", err=True)
+            refused.setdefault(str(error), []).append(f"case {number}{label}")
             continue
         _write(folder, script)
         say(str(folder / f"{script.name}.py"))
         written += 1
         said |= dict.fromkeys(friction_said(batch.block, batch.slide_rate_0, batch.model, "opensees"))
+    for why, cases in refused.items():
+        many = f"{len(cases)} cases, the first {cases[0]}" if len(cases) > 1 else cases[0]
+        say(f"rock: {study.name}: {many}: {why}", err=True)
     if written and study.search is not None:
         axis = study.search.axis
         begins = f"the scripts have {axis.path} = {axis.values[0]:g}, where its search begins"
@@ -77,7 +81,8 @@ def export(
     for words in said:
         warn(study.name, words)
     if not written:
-        raise StudyError("no case of it can be written for OpenSees", file=study.file)
+        what = "no case of it can be written for OpenSees (rock show backends: what it solves)"
+        raise StudyError(what, file=study.file)
 
 
 def _openquake(file: Path, out: Path) -> None:
@@ -136,7 +141,8 @@ def _label(study: Study, number: int) -> str:
     if not study.axes:
         return ""
     at = np.unravel_index(number - 1, study.shape)
-    points = (f"{axis.name} = {axis.values[k]}" for axis, k in zip(study.axes, at, strict=True))
+    values = ((axis.name, axis.values[k]) for axis, k in zip(study.axes, at, strict=True))
+    points = (f"{name} = {value:.10g}" if isinstance(value, float) else f"{name} = {value}" for name, value in values)
     return f" ({', '.join(points)})"
 
 

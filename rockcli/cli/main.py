@@ -49,6 +49,7 @@ none of which is freed, would be looked through 150 times before the first case,
 app = typer.Typer(
     name="rock",
     help="Seismic response of rocking bodies: studies in, datasets out.",
+    context_settings={"help_option_names": ["--help", "-h"]},
     no_args_is_help=True,
     add_completion=True,
     rich_markup_mode=None,

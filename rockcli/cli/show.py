@@ -30,10 +30,14 @@ def show(
     Models, backends, variables of the dataset, symbols of expressions, pulses, plots, environment variables; or the
     schema of a study as JSON.
     """
+    from difflib import get_close_matches
+
     from rockcli.errors import StudyError
 
     if topic not in _TOPICS:
-        raise StudyError(f"show {topic}: expected one of {', '.join(_TOPICS)}")
+        close = get_close_matches(topic, _TOPICS, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise StudyError(f"show {topic}: expected one of {', '.join(_TOPICS)}{hint}")
     say(_TOPICS[topic]())
 
 

@@ -40,7 +40,8 @@ def study_files(paths: Sequence[Path]) -> list[Path]:
         elif path.is_file():
             files.append(path)
         else:
-            raise StudyError("no such file or folder", file=path)
+            likely = [path.with_suffix(suffix) for suffix in (".yaml", ".yml") if path.with_suffix(suffix).is_file()]
+            raise StudyError("no such file or folder" + (f"; did you mean {likely[0]}?" if likely else ""), file=path)
     first: dict[str, Path] = {}
     for file in files:
         first.setdefault(os.path.realpath(file), file)

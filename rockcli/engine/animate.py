@@ -93,7 +93,7 @@ def _chosen(
     """Position of the case to show, its name, and a sentence if nobody chose among several."""
     from rockcli.plotting.common.cases import axes_of
     from rockcli.plotting.common.labels import coordinate_label
-    from rockcli.plotting.common.selection import axis_called, place_on
+    from rockcli.plotting.common.selection import axis_called, choices, place_on
 
     axes = axes_of(dataset)
     sizes = tuple(int(dataset.sizes[axis]) for axis in axes)
@@ -119,16 +119,6 @@ def _chosen(
     label = ", ".join(coordinate_label(dataset, a, i) for a, i, n in zip(axes, position, sizes, strict=True) if n > 1)
     others = ""
     if case is None and open_axes:
-        values = (f"{axis} ({', '.join(_choices(dataset, axis))})" for axis in open_axes)
+        values = (f"{axis} ({', '.join(choices(dataset, axis, 8))})" for axis in open_axes)
         others = f"shows the first of several cases; --at chooses: {'; '.join(values)}"
     return position, label, others
-
-
-def _choices(dataset: xarray.Dataset, axis: str) -> list[str]:
-    """The first values of an axis as --at takes them."""
-    from rockcli.plotting.common.labels import axis_values, shown_unit
-
-    if dataset[axis].dtype.kind != "f":
-        return [str(value) for value in dataset[axis].values[:8]]
-    in_g = "g" if shown_unit(dataset, axis)[1] == "g" else ""
-    return [f"{value:.6g}{in_g}" for value in axis_values(dataset, axis)[:8]]

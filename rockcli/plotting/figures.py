@@ -14,7 +14,7 @@ from rockcli.errors import StudyError
 from rockcli.plotting.common import style
 from rockcli.plotting.common.apply_look import apply_look
 from rockcli.plotting.common.cases import axes_of, is_numeric
-from rockcli.plotting.common.selection import selected
+from rockcli.plotting.common.selection import hint, selected
 from rockcli.plotting.common.suite import end_to_end, suite_of
 from rockcli.plotting.kinds import (
     barriers,
@@ -208,7 +208,7 @@ def _moves(dataset: xarray.Dataset, name: str) -> bool:
 def why_not(kind: str, dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn as `kind`; "" if it can."""
     if kind not in KINDS:
-        return f"not drawn by this version, which draws {', '.join(KINDS)}"
+        return f"not drawn by this version, which draws {', '.join(KINDS)}{hint(kind, list(KINDS))}"
     return KINDS[kind].why_not(dataset)
 
 

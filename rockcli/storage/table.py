@@ -257,7 +257,9 @@ def table_of(
         StudyError: there is no such table, or no such column in it.
     """
     if of not in TABLES:
-        raise StudyError(f"{of!r} is no table; expected one of {', '.join(TABLES)}")
+        close = get_close_matches(of, TABLES, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise StudyError(f"{of!r} is no table; expected one of {', '.join(TABLES)}{hint}")
     ensemble = json.loads(attrs.get("ensemble", "null"))
     axes = tuple(str(attrs["axes"]).split())
     dims = _dims(of, axes, ensemble)

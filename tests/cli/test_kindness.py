@@ -214,3 +214,33 @@ def test_the_same_complaint_about_several_studies_is_told_once(rock, tmp_path, c
     assert first.startswith("rock: --set case.blok.R=2: 'case.blok.R' is not a path")
     assert first.endswith("did you mean 'case.block.R'?")  # as --set takes it, not as an axis does
     assert others == ["  in one.yaml, other.yaml, third.yaml"]
+
+
+def test_the_file_that_is_probably_meant_is_named(rock, tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    for said in ("mine", "mine.yml"):
+        assert rock("run", said) == 2
+        assert capsys.readouterr().err == f"rock: {said}: no such file or folder; did you mean mine.yaml?\n"
+    assert rock("run", "yours") == 2
+    assert capsys.readouterr().err == "rock: yours: no such file or folder\n"
+
+
+def test_the_word_that_is_probably_meant_is_named(rock, tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text(STUDY)
+    assert rock("run", "mine.yaml", "-q", "--no-plots") == 0
+    dataset = "results/mine/mine.nc"
+    for words, meant in (
+        (("show", "model"), "models"),
+        (("table", dataset, "--of", "fragilty"), "fragility"),
+        (("plot", dataset, "--kind", "history"), "histories"),
+    ):
+        assert rock(*words) == 2
+        assert capsys.readouterr().err.rstrip().endswith(f"; did you mean {meant!r}?")
+
+
+@pytest.mark.parametrize("words", [(), ("run",), ("records",), ("records", "info")])
+def test_help_is_also_asked_for_by_its_letter(rock, capsys, words):
+    assert rock(*words, "-h") == 0
+    by_letter = capsys.readouterr().out
+    assert rock(*words, "--help") == 0
+    assert by_letter == capsys.readouterr().out

@@ -93,6 +93,13 @@ def test_what_cannot_be_exported_is_said(study, tmp_path, words, sentence):
     assert not (tmp_path / "out").exists()
 
 
+def test_cases_that_are_refused_alike_are_told_once(study, tmp_path):
+    settings = ("--set", "vary={block.R: [0.3, 0.1, 0.2]}", "--set", "case.model=rigid")
+    result = invoke("export", study, "--out", tmp_path / "out", *settings)
+    (line,) = [line for line in result.output.splitlines() if "does not solve" in line]
+    assert line.startswith("rock: carry-on: 3 cases, the first case 1 (block_R = 0.3): backend 'opensees'")
+
+
 def test_every_script_is_python_whose_names_are_known():
     """Each combination of pieces compiles, and pyflakes' rules of the linter find nothing undefined."""
     hht = Damping("hht", np.ones((1, 2)), alpha_d=array(0.7))

@@ -105,11 +105,20 @@ def place_on(dataset: xarray.Dataset, axis: str, value: Any) -> int:
     else:
         found = np.array([str(v) == str(value) for v in values])
     if not found.any():
-        more = ", ..." if len(values) > _MOST_NAMED else ""
-        labels = [f"{v:.9g}" if is_numeric(dataset, axis) else str(v) for v in values[:_MOST_NAMED].tolist()]
+        more, labels = ", ..." if len(values) > _MOST_NAMED else "", choices(dataset, axis, _MOST_NAMED)
         near = "" if is_numeric(dataset, axis) else hint(str(value), [str(v) for v in values])
         raise StudyError(f"{axis}={value}: there are {', '.join(labels)}{more}{near}")
     return int(np.argmax(found))
+
+
+def choices(dataset: xarray.Dataset, axis: str, most: int) -> list[str]:
+    """The first values of an axis as they may be said: accelerations in g, all other numbers in SI units."""
+    if not is_numeric(dataset, axis):
+        return [str(value) for value in dataset[axis].values[:most].tolist()]
+    divisor, unit = shown_unit(dataset, axis)
+    in_g = unit == "g"
+    values = dataset[axis].values[:most] / (divisor if in_g else 1.0)
+    return [f"{value:.9g}{'g' if in_g else ''}" for value in values.tolist()]
 
 
 def hint(said: str, labels: Sequence[str]) -> str:
