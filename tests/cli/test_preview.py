@@ -10,6 +10,9 @@ from typing import Any
 
 import pytest
 
+import rockcli
+from rockcli.plotting.common.case_law import model_of
+
 Rock = Callable[..., int]
 
 
@@ -122,3 +125,28 @@ def test_what_was_done_to_records_is_told_of_the_first_of_many(
     assert "and 3 more: --json has all" in told
     assert rock("check", tmp_path / "s.yaml", "--json") == 0
     assert len(json.loads(capsys.readouterr().out)[0]["processing"]) == 7
+
+
+@pytest.mark.parametrize(
+    ("column", "takes"),
+    [
+        ("", "rigid, the highest model of this body: it has no column"),
+        ("column: {E: 3e9, rho: 2500}, ", "flexible"),
+        ("column: {E: 1e14, rho: 2500}, ", "rigid if "),
+        ("column: {E: 3e8, rho: 2500}, ", "flexible, the highest model of this body: p T_1 is not in 0.001 to 1"),
+    ],
+)
+def test_what_model_auto_will_take_is_what_it_takes(
+    rock: Rock, tmp_path: Path, checked: Callable[..., Any], column: str, takes: str
+) -> None:
+    case = f"block: {{height: 10, width: 1}}, {column}motion: {{{SINE}}}, model: {{name: auto, tolerance: 0.05}}"
+    said = checked(case, "--json")["first_case"]["model"]["takes"]
+    assert said.startswith(takes)
+    assert rock("run", tmp_path / "s.yaml", "-q", "--no-plots", "--out", tmp_path) == 0
+    with rockcli.open_dataset(tmp_path / "x" / "x.nc") as found:
+        flags = found.model_used.attrs
+        names = dict(zip(flags["flag_values"].tolist(), flags["flag_meanings"].split(), strict=True))
+        used = names[int(found.model_used)]
+        assert said.startswith(used)
+        law = model_of(found)  # whose separatrix the figure `phase` draws
+        assert (law is None) if used == "flexible" else (law.name == used)
