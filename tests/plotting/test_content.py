@@ -255,6 +255,23 @@ def test_no_separatrix_where_none_is_known(case: dict[str, Any], vary: dict[str,
     assert "separatrix" not in figure.get_suptitle()
 
 
+@pytest.mark.parametrize(
+    ("damping", "vary", "words"),
+    [
+        ("dashpot", None, "separatrix of free rocking without the dashpot"),
+        ("restitution", {"damping": ["restitution", "dashpot"]}, "separatrix of free rocking without the dashpot"),
+        ("restitution", {"block.R": [3.0, 4.0]}, "separatrix of free rocking"),
+    ],
+)
+def test_the_separatrix_is_said_to_be_without_the_dashpot(damping: str, vary: Any, words: str) -> None:
+    made = {"block": {"R": 3.0, "alpha": 0.2}, "initial": {"theta": "0.9*alpha"}, "motion": {"duration": 1}}
+    study = {"case": made | {"damping": damping}} | ({} if vary is None else {"vary": vary})
+    figure = figures.figure("phase", rockcli.run(study))
+    said = figure.get_suptitle() or figure.axes[0].get_title()
+    assert f"dashed: {words}" in said.replace("\n", " ")
+    assert ("dashpot" in said) == ("dashpot" in words)
+
+
 @pytest.mark.parametrize(("n", "marked"), [(20, True), (40, False)])
 def test_few_impacts_are_marked(n: int, marked: bool) -> None:
     t = np.linspace(5.5, 17.5, n)[None, :]

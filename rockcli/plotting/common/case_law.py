@@ -1,4 +1,4 @@
-"""The model of one rotation that solved a case, where its dataset tells it."""
+"""The law of one rotation that solved a case, where its dataset tells it."""
 
 from __future__ import annotations
 
@@ -42,6 +42,12 @@ def model_of(dataset: xarray.Dataset) -> Model | None:
         if path == "geometry":
             geometry = str(dataset[axis].values)
     return MODELS.get((name, None)) or MODELS.get((name, geometry))
+
+
+def may_have_dashpot(dataset: xarray.Dataset) -> bool:
+    """Whether some case of the study, or of a table of it, has a dashpot, which takes energy between impacts."""
+    tables = (dataset[name].values for name in map(str, dataset.variables) if name.startswith("given_damping"))
+    return "dashpot" in str(dataset.attrs.get("study", "")) or any("dashpot" in map(str, np.ravel(t)) for t in tables)
 
 
 def _chosen_by_settings(dataset: xarray.Dataset) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.boundaries import rolls
-from rockcli.plotting.common.case_law import model_of
+from rockcli.plotting.common.case_law import may_have_dashpot, model_of
 from rockcli.plotting.common.cases import (
     Array,
     Shown,
@@ -108,12 +108,13 @@ def draw(dataset: xarray.Dataset) -> Figure:
     else:
         figure.supxlabel(_ACROSS, fontsize=9.0)
         figure.supylabel(_UP, fontsize=9.0)
+    without_dashpot = " without the dashpot" if may_have_dashpot(dataset) else ""
     notes = [
         ", ".join(part for part in (shown[0].label, fates[0]) if part) if alone is not None else "",
         selection_note(len(shown), total),
         f"{still} without rotation not drawn" if still else "",
         "dotted: impacts" if reach[2] / (2.0 * up) * high >= _SEEN else "",
-        "dashed: separatrix of free rocking" if wide else "",
+        f"dashed: separatrix of free rocking{without_dashpot}" if wide else "",
         f"grey: {reference_words(dataset)}" if any(case.reference for case in shown) else "",
     ]
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note), over=alone)
@@ -166,12 +167,7 @@ def _separatrix(axes: Axes, model: Model, alpha: Array, reach: float) -> None:
         if not np.isfinite(top):
             continue
         q = np.linspace(0.0, reach, 201)
-        y = top - q * alpha[i]
-        if model.linear:
-            missing = 0.5 * y**2
-        else:
-            slope = law.rc[i] * np.sin(top) - law.rs[i] * np.cos(top)
-            missing = law.r0[i] * (y - np.sin(y)) + 2.0 * slope * np.sin(0.5 * y) ** 2
-        rate = np.sign(y) * np.sqrt(2.0 * np.maximum(missing, 0.0)) / alpha[i]
+        missing = model.missing(law, q[:, None] * alpha)[:, i]
+        rate = np.sign(top - q * alpha[i]) * np.sqrt(2.0 * np.maximum(missing, 0.0)) / alpha[i]
         for sign in (-1.0, 1.0):
             axes.plot(side * q, sign * rate, color=QUIET, linewidth=0.7, dashes=(4, 2), zorder=1)

@@ -50,6 +50,20 @@ class Model:
     sentence: str
     reference: str
 
+    def slope(self, law: Law) -> Array:
+        """|d(restoring moment)/dq| at `q_star`, where the moment vanishes."""
+        if self.linear:
+            return -law.rs
+        q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
+        return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))
+
+    def missing(self, law: Law, q: Array) -> Array:
+        """Energy missing at q to the unstable equilibrium, over I_O p^2 (T7), of the shape of both together."""
+        y = law.q_star - q
+        if self.linear:
+            return np.asarray(0.5 * self.slope(law) * y**2)
+        return np.asarray(law.r0 * (y - np.sin(y)) + 2.0 * self.slope(law) * np.sin(0.5 * y) ** 2)
+
 
 def _rigid(alpha: Array, tan_alpha: Array) -> Law:
     sin, cos = np.sin(alpha), np.cos(alpha)

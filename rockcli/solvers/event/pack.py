@@ -12,7 +12,7 @@ from rockcli import kernels
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.laws.damping import dashpot_rate
-from rockcli.scene.laws.models import MODELS, Law
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.numerics import Accuracy
 from rockcli.scene.repeated import is_repeated, once, repeated
 from rockcli.solvers.common.duration import durations_of
@@ -33,7 +33,7 @@ def parameters_of(batch: Batch) -> Array:
     block, shape = batch.block, batch.p.shape
     alpha, tan_alpha = _once(block.alpha, block.tan_alpha)
     law = model.law(alpha, tan_alpha)
-    of_law = (law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, _slope(law, model.linear))
+    of_law = (law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, model.slope(law))
     apart = (
         _once(each)[0] for each in (once(np.square, batch.p), block.alpha, batch.damping.eta, _damper(batch), block.R)
     )
@@ -90,11 +90,3 @@ def _damper(batch: Batch) -> Array:
     if coefficient is None:
         return repeated(np.zeros((1, 2)), batch.size)
     return dashpot_rate(coefficient[:, None], block.alpha, block.R, block.inertia, batch.g[:, None])
-
-
-def _slope(law: Law, linear: bool) -> Array:
-    """|d(restoring law)/dq| at q_star, where the law vanishes."""
-    if linear:
-        return -law.rs
-    q = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
-    return np.asarray(law.rc * np.sin(q) - law.rs * np.cos(q))

@@ -139,15 +139,13 @@ def body_of(batch: Batch, case: int) -> Body:
     model = MODELS[batch.model, batch.geometry]
     block = batch.block
     law = model.law(block.alpha, block.tan_alpha)
-    q_star = np.where(np.isfinite(law.q_star), law.q_star, 0.0)
-    slope = -law.rs if model.linear else law.rc * np.sin(q_star) - law.rs * np.cos(q_star)
     damper = np.zeros_like(block.alpha)
     if batch.damping.coefficient is not None:
         coefficient, g = batch.damping.coefficient[:, None], batch.g[:, None]
         damper = dashpot_rate(coefficient, block.alpha, block.R, block.inertia, g)
     columns = (
-        batch.p, block.alpha, block.R, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star, slope,
-        batch.damping.eta, damper,
+        batch.p, block.alpha, block.R, law.r0, law.rs, law.rc, law.fc, law.fs, law.threshold, law.q_star,
+        model.slope(law), batch.damping.eta, damper,
     )  # fmt: skip
     left, right = (
         Edge(sign, *(float(column[case, j]) for column in columns)) for j, sign in ((LEFT, -1.0), (RIGHT, 1.0))
