@@ -252,6 +252,10 @@ def test_the_column_that_is_no_prediction_is_named_where_nothing_is_left(rock, t
         (("scaled.yaml", "runs.csv"), "column `scale`"),
         (("filtered.yaml", "runs.csv"), "follow from the body"),
         (("floor.yaml", "runs.csv"), "follow from the body"),
+        (
+            ("arrives.yaml", "runs.csv"),
+            "floor_pga is one for all: how strong a run's ground is, its column `scale` says",
+        ),
     ],
 )
 def test_bad_input_is_one_error_and_writes_nothing(rock, experiments, tmp_path, capsys, arguments, words):
@@ -265,6 +269,8 @@ def test_bad_input_is_one_error_and_writes_nothing(rock, experiments, tmp_path, 
     (tmp_path / "filtered.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | filtered}))
     floor = {"motion": {"record": record, "through": [{"T": "2/p", "zeta": 0.05}]}}
     (tmp_path / "floor.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | floor}))
+    arrives = {"motion": {"record": record, "through": [{"f": 3, "zeta": 0.05}], "floor_pga": 3}}
+    (tmp_path / "arrives.yaml").write_text(yaml.safe_dump(STUDY | {"case": STUDY["case"] | arrives}))
     before = set(tmp_path.iterdir())
     assert rock("score", *arguments) == 2
     said = capsys.readouterr()

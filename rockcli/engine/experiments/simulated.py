@@ -167,6 +167,10 @@ def _check(where: Source, tree: Map, runs: Runs) -> None:
             raise where.error(
                 tree, ("case", "motion", "record", key), "is that of each run: give it as column `scale` of the runs"
             )
+    if value_at(tree, ("case", "motion", "floor_pga")) is not None:
+        own = "how strong a run's ground is, its column `scale` says"
+        said = f"is one for all: {own}; `floor_scale` multiplies what arrives"
+        raise where.error(tree, ("case", "motion", "floor_pga"), said)
     if AMPLITUDE in (tree.get("let") or {}):
         raise where.error(tree, ("let", AMPLITUDE), "is what runs are multiplied by; choose another name")
     if value_at(tree, ("case", "motion", "vertical")) is not None:
