@@ -95,7 +95,11 @@ def test_a_slide_that_is_not_followed_to_its_end_is_told(rate, outcome):
     ds = rockcli.run({"name": "ice", "case": case | damping, "save": {"histories": False}})
     assert int(ds.outcome) == outcome
     assert float(ds.slide_peak) < 0.5 * rate**2 / (2.0 * 1e-4 * 9.81)
-    assert str(ds.reasons.values[int(ds.reason)]).startswith(SLIPS_STILL)
+    reason = str(ds.reasons.values[int(ds.reason)])
+    assert reason.startswith(SLIPS_STILL)
+    assert ("whether it overturns is not known" in reason) == (outcome == UNRESOLVED)
+    assert "chance" not in reason  # no run tells whether it overturns: that is no sign of chaos
+    assert float(ds.overturn_share) == (0.5 if outcome == UNRESOLVED else 0.0)
     lossy = rockcli.run({"name": "ice", "case": case, "save": {"histories": False}})  # rests on its base, and slides on
     assert not str(lossy.reasons.values[int(lossy.reason)])
 

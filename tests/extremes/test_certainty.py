@@ -224,6 +224,22 @@ class TestJudgement:
         assert found.share[0] == pytest.approx(np.mean(steps > -beyond))
         assert f"{found.share[0]:.0%} of 21 runs" in found.said[0]
 
+    @pytest.mark.parametrize(
+        ("undecided", "said"),
+        [
+            (MEMBERS + 1, ""),  # why the solver cannot tell it says itself
+            (8, "19% of 21 runs whose motions differ by 1e-03 overturn, the 8 of them that are undecided counted half"),
+        ],
+    )
+    def test_runs_that_come_to_no_decision_are_no_sign_of_chaos(self, undecided, said):
+        def runs(rows, factors, fine=True):
+            return traces(np.where(np.arange(len(factors)) < undecided - 1, UNDECIDED, RETURNS))
+
+        found = judge(traces(UNDECIDED), runs, Perturbation(1e-3, 0.1), None, None, 1e-3)
+        assert found.share[0] == pytest.approx(0.5 * undecided / (MEMBERS + 1))
+        assert found.said[0].partition(":")[0] == said
+        assert found.error[0] == np.inf
+
     def test_a_more_accurate_run_decides(self):
         found = self.judged(1.0 - 0.5e-3, finer=Perturbation(1e-6, 0.1))
         assert (found.share[0], found.said) == (1.0, [""])

@@ -228,9 +228,14 @@ def _ensemble(found: Judgement, rows: Index, runs: Traces, again: Again, reach: 
     for i, row in enumerate(rows):
         share = found.share[row] = float(np.nanmean(shares[i]))
         what = f"{MEMBERS + 1} runs whose motions differ by {reach:.0e}"
-        if 0.0 < share < 1.0:
+        undecided = int((shares[i] == 0.5).sum())
+        if undecided == MEMBERS + 1:  # no sign of chaos: the solver cannot tell, and says why
             found.error[row] = np.inf
-            found.said[row] = f"{share:.0%} of {what} overturn: chaotic or on a boundary, its outcome would be chance"
+        elif 0.0 < share < 1.0:
+            found.error[row] = np.inf
+            half = f", the {undecided} of them that are undecided counted half" if undecided else ""
+            told = f"{share:.0%} of {what} overturn{half}"
+            found.said[row] = f"{told}: chaotic or on a boundary, its outcome would be chance"
         elif share == 1.0:
             found.error[row], found.when_unknown[row] = 0.0, True
             early, late = (float(f(np.append(falls[i], runs.fall[i]))) for f in (np.nanmin, np.nanmax))

@@ -23,7 +23,7 @@ SLIDES = "slides and does not rock: mu is not above tan(alpha)"
 
 SLIDES_ON = "slides on for ever: the ground leaves it with a velocity that no friction stops"
 
-SLIPS_STILL = "slips while it rocks still 60/p after the report, where it is left: its slide goes on from what is told"
+SLIPS_STILL = "slips while it rocks still 60/p after the report, where it is left"
 
 
 def frequency(batch: Batch) -> Array:
@@ -134,7 +134,12 @@ def _reasons(
         elif only[i] and outcome[i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
         if row[to.STATUS] == DONE and row[to.SLIP_LEFT] != 0.0:
-            said.append(SLIPS_STILL)
+            open_ = (
+                "whether it overturns is not known"
+                if outcome[i] == UNRESOLVED
+                else "its slide goes on from what is told"
+            )
+            said.append(f"{SLIPS_STILL}: {open_}")
         if np.isinf(row[to.SLIDE_END]):
             said.append(SLIDES_ON)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
