@@ -52,8 +52,8 @@ def with_prescreen(contents: Contents, study: Study) -> Contents:
     """Add the pre-screen to what a search over an amplitude of the horizontal motion found.
 
     One is from the first uplift, one for the worst excursion; inf where (T11) is never met.
-    NaN for what they do not speak of: asymmetric bodies, bodies that move at t = 0, vertical motion, a motion cut off
-    by `duration`.
+    NaN for what they do not speak of: bodies of two different edges, that roll over more, or that move at t = 0,
+    vertical motion, a motion cut off by `duration`.
     """
     search = study.search
     if search is None or not search.prescreens:
@@ -120,7 +120,7 @@ def _lines(batch: Batch) -> Iterator[tuple[Index, Line, Array]]:
     """Cases that the pre-screen speaks of, with their motion as straight lines and its factor (n,)."""
     excitation, block = batch.excitation, batch.block
     still = (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0) & np.isnan(excitation.duration)
-    rows = np.flatnonzero(still & block.symmetric)
+    rows = np.flatnonzero(still & block.symmetric & ~block.rolls)
     motion = excitation.horizontal
     if motion is None or excitation.vertical is not None or not len(rows):
         return

@@ -143,3 +143,12 @@ def test_the_search_writes_both_and_they_agree_with_it():
     for end in ("prescreen", "prescreen_worst"):
         np.testing.assert_allclose(data[f"motion_pulse_a_p_overturning_{end}"].values, found, rtol=1.1e-6)
     assert overturns(rock(BODY, pulse("half_sine", found[0], 1.0), model="linearized"))
+
+
+def test_it_says_nothing_of_bodies_that_roll():
+    rolls = {"outline": [[-0.1, 0], [0.1, 0], [0.3, 0.1], [0.2, 2], [-0.2, 2], [-0.3, 0.1]]}
+    made = {"motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "omega_p": 5.0}}}
+    search = {"motion.pulse.a_p": {"from": 0.5, "to": 12.0, "n": 5, "find": "overturning"}}
+    for block, told in ((rolls, False), (rolls | {"stands": "toes"}, True)):
+        data = rockcli.run({"case": made | {"block": block}, "vary": search})
+        assert np.isfinite(data["motion_pulse_a_p_overturning_prescreen"].values).all() == told
