@@ -15,6 +15,7 @@ from rockcli.scene.body.block import LEFT, RIGHT, impulse_ratio
 from rockcli.scene.laws.models import MODELS
 from rockcli.scene.repeated import repeated
 from rockcli.scene.response import NO_UPLIFT, UNRESOLVED
+from rockcli.scene.variables import SCALARS
 from rockcli.solvers.common.certainty import withdraw
 from rockcli.solvers.common.found import (
     IMPACTS,
@@ -30,6 +31,11 @@ from rockcli.solvers.common.found import (
 from rockcli.solvers.common.ground import ground_history
 
 Array = NDArray[np.float64]
+
+COLUMNS: dict[str, int] = {
+    name: getattr(to, name.upper()) for name in SCALARS if getattr(to, name.upper(), to.N_OUT) < to.N_OUT
+}
+"""Scalars that have a column of their name in the results of the kernel, which needs no more to be told."""
 
 FORCES = frozenset({"theta_dot_peak", "mu_required", "N_min_over_mg", "energy_residual"})
 """Scalars that cost a look along every step; NaN when nothing of the kind is wanted."""
@@ -103,7 +109,13 @@ def scalars_of(
         "n_steps": steps,
         "n_rhs": steps,  # a step is one expansion
     }
+    scalars |= columns_asked(found, out, asked - scalars.keys())
     return scalars, sentences_of(batch, scalars, out, slides)
+
+
+def columns_asked(found: Found, out: Array, names: frozenset[str]) -> dict[str, Array]:
+    """Scalars that are told as they stand in a column."""
+    return {name: found.unless_failed(out[:, COLUMNS[name]]) for name in names & COLUMNS.keys()}
 
 
 def _by_side(batch: Batch, out: Array, peak: Array) -> tuple[Array, Array, Array]:

@@ -16,7 +16,7 @@ from rockcli.scene.body.lower_outline import Facets, rolled
 from rockcli.scene.response import NO_UPLIFT
 from rockcli.solvers.common.found import IMPACTS, Found, counts
 from rockcli.solvers.common.ground import ground_history
-from rockcli.solvers.event.unpack import Raw, over, sentences_of, standing_extremes
+from rockcli.solvers.event.unpack import Raw, columns_asked, over, sentences_of, standing_extremes
 
 Array = NDArray[np.float64]
 
@@ -72,6 +72,7 @@ def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[An
         "n_steps": counts(out[:, to.N_STEPS]),
         "n_rhs": counts(out[:, to.N_STEPS]),
     }
+    scalars |= columns_asked(found, out, batch.save.scalars - scalars.keys())
     reasons = sentences_of(batch, scalars, out, unsolved=UNSOLVED_ROLLING)
     with np.errstate(invalid="ignore"):
         elsewhere = np.flatnonzero((np.abs(scalars["residual_tilt"]) > 0.0) & (scalars["outcome"] >= NO_UPLIFT))
