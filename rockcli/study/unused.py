@@ -1,4 +1,4 @@
-"""Warnings about what has no use in a study: keys that others leave out, symbols, axes that others override."""
+"""Warnings about what has no use in a study: keys nobody reads, symbols, what axes leave out or override."""
 
 from __future__ import annotations
 

@@ -25,6 +25,8 @@ SLIDES_ON = "slides on for ever: the ground leaves it with a velocity that no fr
 
 SLIPS_STILL = "slips while it rocks still 60/p after the report, where it is left"
 
+GOES_ON, NO_OUTCOME = "its slide goes on from what is told", "whether it overturns is not known"
+
 
 def frequency(batch: Batch) -> Array:
     """p of the slower edge, (n,) [rad/s]."""
@@ -134,12 +136,7 @@ def _reasons(
         elif only[i] and outcome[i] == SLIDING and row[to.N_FLIGHTS] == 0:
             said.append(SLIDES)
         if row[to.STATUS] == DONE and row[to.SLIP_LEFT] != 0.0:
-            open_ = (
-                "whether it overturns is not known"
-                if outcome[i] == UNRESOLVED
-                else "its slide goes on from what is told"
-            )
-            said.append(f"{SLIPS_STILL}: {open_}")
+            said.append(f"{SLIPS_STILL}: {NO_OUTCOME if outcome[i] == UNRESOLVED else GOES_ON}")
         if np.isinf(row[to.SLIDE_END]):
             said.append(SLIDES_ON)
         if row[to.NEARLY_FLAT] < ILL_POSED and row[to.STATUS] == DONE and not unknown[i]:
