@@ -383,6 +383,48 @@ def test_cells_drawn_as_an_image_are_where_others_are(
     assert np.logical_or.reduce([(inside == each).all(axis=-1) for each in neighbours]).all()
 
 
+@pytest.mark.parametrize("kind", ["map", "curve", "polar"])
+def test_points_of_an_axis_are_drawn_in_ascending_order(kind: str) -> None:
+    """However a study lists them: cells lay over one another, and lines went back and forth."""
+    rows, columns = np.array([3, 0, 5, 1, 4, 2]), np.array([6, 2, 0, 5, 1, 3, 4])
+    angles = ("direction", "direction2"), ("block.direction", "case"), ("rad", "1")
+    dataset = peaks(*angles) if kind == "polar" else peaks(("one", "two"), ("one", "two"))
+    first, second = dataset["outcome"].dims
+    dataset["theta_peak_over_alpha"][:] = np.linspace(0.0, 0.9, 42).reshape(6, 7)
+    dataset["outcome"][2:4, 2:5] = 2
+    shuffled = dataset.isel({first: rows, second: columns})
+    assert not np.array_equal(shuffled["outcome"].values, dataset["outcome"].values)
+    if kind == "curve":  # the axis of the curves alone: the others are in the order of the study
+        shuffled = dataset.isel({second: columns})
+    elif kind == "polar":
+        shuffled = dataset.isel({first: rows})
+
+    def pixels(of: xarray.Dataset) -> np.ndarray:
+        canvas = FigureCanvasAgg(figures.figure(kind, of))
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())
+
+    assert np.array_equal(pixels(shuffled), pixels(dataset))
+
+
+def test_the_share_of_a_suite_is_drawn_in_ascending_order() -> None:
+    study = {
+        "name": "s",
+        "case": {"block": {"R": 1.0, "alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "f_p": 1.0}}},
+        "over": "motion.pulse.f_p",
+        "vary": {"motion.pulse.f_p": [0.7, 1.0, 1.5, 3.0], "block.R": [4.0, 0.5, 2.0, 1.0, 8.0]},
+        "save": {"histories": False},
+    }
+    dataset = rockcli.run(study)
+    for axes, name in zip(
+        figures.figure("curve", dataset).axes, ("p_overturned", "theta_peak_over_alpha_p50"), strict=True
+    ):
+        x, y = axes.lines[0].get_data()
+        np.testing.assert_array_equal(x, [0.5, 1.0, 2.0, 4.0, 8.0])
+        values = dataset[name].sel(R=np.asarray(x)).values
+        np.testing.assert_array_equal(y, np.where(np.isfinite(values), values, np.nan))
+
+
 def test_cases_that_are_one_are_drawn_once() -> None:
     study = {
         "name": "g",

@@ -47,6 +47,19 @@ def is_numeric(dataset: xarray.Dataset, axis: str) -> bool:
     return bool(dataset[axis].dtype.kind == "f")
 
 
+def in_order(dataset: xarray.Dataset, *axes: str) -> xarray.Dataset:
+    """The same with the points of these axes of numbers in ascending order, as lines and cells are drawn between them.
+
+    An axis that only falls stays as it is.
+    """
+    for axis in axes:
+        values = dataset[axis].values
+        if not (np.diff(values) < 0.0).all():
+            order = np.argsort(values, kind="stable")
+            dataset = dataset if (np.diff(order) > 0).all() else dataset.isel({axis: order})
+    return dataset
+
+
 def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> Array:
     """Values of a variable or coordinate for one case: a number, or (time,) or (impact,)."""
     return values_of(dataset[name], axes_of(dataset), position)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.cases import Array, axes_of, in_order, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -65,6 +65,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axis = along(dataset)
     if axis is None:
         raise ValueError("a curve needs a numeric axis")
+    dataset = in_order(dataset, axis)
     others = tuple(name for name in axes_of(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     x = axis_values(dataset, axis)

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.boundaries import boundary_handles, draw_boundaries
-from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.cases import Array, axes_of, in_order, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import (
     axis_label,
     axis_values,
@@ -98,6 +98,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     found = plane(dataset)
     if found is None:
         raise ValueError("a map needs two numeric axes")
+    dataset = in_order(dataset, *found)
     others = tuple(axis for axis in axes_of(dataset) if axis not in found)
     shown, total = pick(dataset, MOST_PANELS, others)
     rows, columns = grid_of(len(shown))

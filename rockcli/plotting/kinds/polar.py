@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.cases import Array, axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.cases import Array, axes_of, in_order, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import path_of, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -64,6 +64,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     """A curve for each point of the other axes; crosses at the edge overturn, a ring marks the worst direction."""
     axis = towards(dataset)
     assert axis is not None
+    dataset = in_order(dataset, axis)
     others = tuple(name for name in axes_of(dataset) if name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     angle = np.asarray(dataset[axis].values, dtype=float)

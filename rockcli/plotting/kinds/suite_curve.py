@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.cases import axes_of, is_numeric, pick, selection_note
+from rockcli.plotting.common.cases import axes_of, in_order, is_numeric, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -44,6 +44,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axis, suite = along(dataset), suite_of(dataset)
     if axis is None or suite is None:
         raise ValueError("a suite and a numeric axis beside it are needed")
+    dataset = in_order(dataset, axis)
     others = tuple(name for name in axes_of(dataset) if name in dataset[SHARE].dims and name != axis)
     shown, total = pick(dataset, MOST_CURVES, others)
     rows = [name for name in (SHARE, MEDIAN) if name in dataset.variables]
