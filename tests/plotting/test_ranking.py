@@ -117,6 +117,30 @@ def test_alternatives_that_are_alike_are_all_seen():
         assert (np.abs(heights - np.arange(len(SIZES))) < 0.4).all()
 
 
+def test_alternatives_with_limits_are_in_the_rows_of_their_bodies():
+    """Those behind the first stood half a row lower, or in the row of the next body."""
+    dataset = of_a_suite(
+        over={"along": "a_p"},
+        **{
+            "motion.pulse.shape": ["sine", "ricker", "half_sine"],
+            "motion.pulse.a_p": {"from": 1.0, "to": 20.0, "n": 9, "spacing": "log"},
+        },
+    )
+    figure = figures.figure("ranking", dataset)
+    panel = figure.axes[0]
+    medians = dataset["fragility_median"].isel(limit_state=-1) / G
+    assert int(np.isfinite(medians).sum()) > 2 * len(SIZES)
+    for line in panel.lines:
+        shape = line.get_label().replace(" ", "_")
+        for x, y in line.get_xydata():
+            expected = float(medians.sel(block=rows(figure)[round(y)], shape=shape))
+            np.testing.assert_allclose(x, expected, rtol=1e-12)
+            assert abs(y - round(y)) < 0.35
+    bars = np.concatenate([np.array(each.get_segments())[:, 0, 1] for each in panel.collections])
+    assert len(bars) == int(np.isfinite(medians).sum())
+    assert (abs(bars - bars.round()) < 0.35).all()
+
+
 def test_more_than_a_page_are_the_worst_and_the_note_says_so():
     widths = {f"w{k}": {"height": 2.0, "width": 0.2 + 0.01 * k} for k in range(70)}
     dataset = rockcli.run(study(vary={"block": widths}))

@@ -232,8 +232,8 @@ def _draw_panel(axes: Axes, panel: _Panel, order: NDArray[np.intp], shown: list[
         x = np.where(np.isfinite(x), x, np.nan)
         if panel.barred:
             low, high = (end[order, number] for end in panel.limits or ())
-            apart = np.isfinite(low) & np.isfinite(high) & (low < high)
-            axes.hlines(y[apart], low[apart], high[apart], color=colour, linewidth=0.9, zorder=2)
+            wide = np.isfinite(low) & np.isfinite(high) & (low < high)
+            axes.hlines(y[wide], low[wide], high[wide], color=colour, linewidth=0.9, zorder=2)
         elif len(shown) == 1:
             axes.hlines(y, 0.0, x, color=colour, linewidth=0.7, alpha=0.5, zorder=2)
         style: dict[str, Any] = {
