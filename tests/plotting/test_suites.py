@@ -440,6 +440,18 @@ def test_two_intensities_have_every_case_and_the_lines_of_the_fitted_curve(inten
             np.testing.assert_allclose(share, float(label.removesuffix(" %")) / 100.0, rtol=1e-9)
 
 
+def test_lines_over_two_intensities_are_drawn_where_a_motion_has_no_acceleration():
+    """Its PGV/PGA is not a number, with which the lines were one point each."""
+    dataset = plane(["pga", "pgv_over_pga"])
+    none = dataset["fragility_intensity_second"].where(dataset["motion_record_pga"] > 0.11 * G)
+    (axes,) = figures.figure("intensities", dataset.assign(fragility_intensity_second=none)).axes
+    lines = [line for line in axes.lines if str(line.get_label()).endswith("%")]
+    assert len(lines) == 3
+    for line in lines:
+        assert np.isfinite(line.get_xydata()).all()
+        assert line.get_xdata()[[0, -1]] == pytest.approx([float(none.min()), float(none.max())])
+
+
 @pytest.mark.parametrize(
     ("second", "symbol", "unit"), [("sa(0.5)", "$S_a$(0.5 s, 5 %)", "g"), ("motion.record.pga", "PGA", "g")]
 )

@@ -114,7 +114,8 @@ def _panel(axes: Axes, part: xarray.Dataset, told_against: str) -> None:
         return
     from scipy.special import ndtri  # late: other figures need none of it
 
-    second = np.geomspace(x[x > 0.0].min(), x.max(), 100)
+    positive = x[x > 0.0]  # a motion of no acceleration has none
+    second = np.geomspace(positive.min(), positive.max(), 100)
     reference = float(part["fragility_second"]) / shown_unit(part, "fragility_second")[0]
     above = (median / divisor - begin) * (second / reference) ** -c
     for level, line in _LEVELS.items():
