@@ -452,6 +452,14 @@ def test_lines_over_two_intensities_are_drawn_where_a_motion_has_no_acceleration
         assert line.get_xdata()[[0, -1]] == pytest.approx([float(none.min()), float(none.max())])
 
 
+def test_lines_over_two_intensities_are_named_where_the_first_body_has_none():
+    dataset = plane(["pga", "pgv_over_pga"], case={"huge": {"block.R": 60.0}, "small": {"block.R": 1.0}})
+    assert np.isfinite(dataset["fragility_median"].values[:, -1]).tolist() == [False, True]
+    figure = figures.figure("intensities", dataset)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert words == ["remains stable", "overturned", "uplift", "5 %", "50 %", "95 %"]
+
+
 @pytest.mark.parametrize(
     ("second", "symbol", "unit"), [("sa(0.5)", "$S_a$(0.5 s, 5 %)", "g"), ("motion.record.pga", "PGA", "g")]
 )

@@ -79,7 +79,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     first.set_xlim(0.9 * x.min(), 1.1 * x.max())
     first.set_ylim(0.9 * y.min(), 1.1 * y.max())
     scale_axes(first, True, True)
-    legend_below(figure, first.get_legend_handles_labels()[0], 3)
+    # a body without a curve, as one that none overturns, has fewer entries than the others
+    entries = [axes.get_legend_handles_labels() for axes in list(grid.flat)[: len(shown)]]
+    named = {word: handle for handles, words in entries for handle, word in zip(handles, words, strict=True)}
+    legend_below(figure, list(named.values()), 3)
     words = f"{members_word(dataset, suite)}; lines: probability of overturning by the fitted curve"
     headline(figure, title_of(dataset), "; ".join(filter(None, [left_out_words(dataset, suite, shown), words, note])))
     fit_panels(figure, first, max(0.7 * width / columns, 1.2 * SHORTEST), rows)
