@@ -104,6 +104,23 @@ def test_rotations_are_over_the_alpha_of_their_side(asymmetric: xarray.Dataset) 
     assert response.rate[first + 1] == pytest.approx(after / (p[1] * alpha[1]), rel=1e-14)
 
 
+def test_the_peak_of_a_body_on_two_edges_is_that_over_alpha() -> None:
+    """Its largest rotation is to the right, 1.13 s after the start, the largest |theta|/alpha to the left."""
+    case = {
+        "block": ASYMMETRIC["case"]["block"],
+        "motion": {"pulse": {"shape": "sine", "a_p": 7.2, "f_p": 2, "cycles": 3}},
+    }
+    dataset = rockcli.run({"name": "a", "case": case})
+    assert float(dataset["theta_peak"]) > float(dataset["theta_peak_left"]) > 0.0
+    most = float(dataset["theta_peak_over_alpha"])
+    assert most == pytest.approx(float(dataset["theta_peak_left"] / dataset["alpha_left"]))
+    at = float(dataset["time"].values[np.nanargmin(dataset["theta"].values)])
+    figure = figures.figure("histories", dataset)
+    assert rf"peak $|\theta|/\alpha$ = {most:.4g} at {at:.3g} s" in figure.get_label()
+    rings = [line.get_xydata() for axes in figure.axes for line in axes.lines if line.get_markerfacecolor() == "none"]
+    assert np.concatenate(rings) == pytest.approx(np.array([[at, -most]]))
+
+
 def test_only_the_response_is_shown() -> None:
     late = shaken([noise(0)], [swing(60.0, 75.0)])
     seen = window(late, [(0,)])

@@ -18,6 +18,7 @@ from rockcli.plotting.common.response import (
     over_alpha,
     response_of,
     sliding_speed,
+    symmetric,
     window,
 )
 from rockcli.plotting.common.style import (
@@ -166,12 +167,27 @@ def _look(dataset: xarray.Dataset, case: Shown, number: int) -> dict[str, Any]:
 
 def _mark_peak(axes: Axes, dataset: xarray.Dataset, case: Shown) -> None:
     """A ring at the peak of a body that comes back."""
-    when, peak = (number_at(dataset, name, case.position) for name in ("t_peak", "theta_peak"))
-    if np.isfinite(when) and np.isfinite(peak):
-        ratio = float(over_alpha(dataset, case.position, np.array(peak)))
+    when, ratio = _peak(dataset, case.position)
+    if np.isfinite(when) and np.isfinite(ratio):
         axes.plot(when, ratio, "o", markersize=5.0, markerfacecolor="none", color="black", zorder=5)
         words = f"{ratio:.3g}".replace("-", "\N{MINUS SIGN}")
         axes.annotate(words, (when, ratio), (6.0, 0.0), textcoords="offset points", va="center", fontsize=8.0)
+
+
+def _peak(dataset: xarray.Dataset, position: Position) -> tuple[float, float]:
+    """When |theta|/alpha is largest [s], and theta/alpha then; NaN or infinite for a body that does not come back.
+
+    `t_peak` is the time of the largest rotation, which on two different edges may be another: then the sample is told
+    in which |theta|/alpha is largest.
+    """
+    names = ("t_peak", "theta_peak", "theta_peak_over_alpha")
+    when, peak, most = (number_at(dataset, name, position) for name in names)
+    ratio = float(over_alpha(dataset, position, np.array(peak)))
+    if symmetric(dataset, position) or not most > (1.0 + 1e-9) * abs(ratio):
+        return when, ratio
+    response = response_of(dataset, position)
+    at = int(np.nanargmax(np.abs(response.ratio)))
+    return float(response.time[at]), float(np.copysign(most, response.ratio[at]))
 
 
 def _label(dataset: xarray.Dataset, case: Shown) -> str:
@@ -232,7 +248,7 @@ def _summary(dataset: xarray.Dataset, case: Shown) -> str:
     if fate != "rocking":
         return fate.replace("_", " ")
     peak = number_at(dataset, "theta_peak_over_alpha", case.position)
-    when = number_at(dataset, "t_peak", case.position)
+    when = _peak(dataset, case.position)[0]
     impacts = number_at(dataset, "n_impacts", case.position)
     words = rf"peak $|\theta|/\alpha$ = {peak:.4g}" + (f" at {when:.3g} s" if np.isfinite(when) else "")
     return words + (f", {impacts:.0f} impacts" if np.isfinite(impacts) else "")
