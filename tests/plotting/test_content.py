@@ -341,6 +341,20 @@ def test_accelerations_are_in_g() -> None:
     assert coordinate_label(dataset, "g", 0) == "$g$ = 9.81 m/s²"
 
 
+def test_points_that_lie_close_have_labels_of_their_own() -> None:
+    dataset = peaks(("pga", "size"), ("motion.record.pga", "block.R"), ("m s-2", "m")).isel(size=slice(0, 6))
+    dataset = dataset.assign_coords(
+        pga=axis("pga", np.array([3.57, 3.5701, 3.9, 0.0, -3.57, 9.81]), "motion.record.pga", "m s-2"),
+        size=axis("size", np.array([12346.0, 12347.0, 1.0, np.nextafter(1.0, 2.0), 2.0, 1e9]), "block.R", "m"),
+    )
+    words = [coordinate_label(dataset, "pga", i) for i in range(6)]
+    assert words == [f"PGA = {x} g" for x in ("0.36391", "0.36392", "0.3976", "0", "-0.3639", "1")]
+    words = [coordinate_label(dataset, "size", i) for i in range(6)]
+    assert words[:2] == ["$R$ = 12346 m", "$R$ = 12347 m"]
+    assert words[4:] == ["$R$ = 2 m", "$R$ = $10^{9}$ m"]
+    assert len({*words}) == 6
+
+
 @pytest.mark.parametrize(
     ("first", "second", "plane"),
     [

@@ -205,13 +205,22 @@ def coordinate_label(dataset: xarray.Dataset, axis: str, position: int) -> str:
     if isinstance(value, (str, np.str_)):
         label = _label(str(value))
         return f"{axis.replace('_', ' ')} {label}" if label.replace(".", "").isdigit() else label
-    number = number_words(float(axis_values(dataset, axis)[position]))
+    values = axis_values(dataset, axis)
+    number = number_words(float(values[position]), _digits(values, position))
     return f"{axis_symbol(dataset, axis)} = {number}{unit_words(shown_unit(dataset, axis)[1])}"
 
 
-def number_words(value: float) -> str:
-    """At most four digits; powers of ten as such, where %g would write 1e+09."""
-    words = f"{value:.4g}"
+def _digits(values: NDArray[np.float64], position: int) -> int:
+    """Four, or as many as tell a value from all others of its axis."""
+    others = np.delete(values, position)
+    close = others[np.abs(others - values[position]) <= 2e-3 * np.abs(values[position])].tolist()
+    told = (n for n in range(4, 17) if f"{values[position]:.{n}g}" not in {f"{other:.{n}g}" for other in close})
+    return next(told, 17)
+
+
+def number_words(value: float, digits: int = 4) -> str:
+    """At most so many digits; powers of ten as such, where %g would write 1e+09."""
+    words = f"{value:.{digits}g}"
     return _power(re.match(_POWERS, words)) if "e" in words else words
 
 
