@@ -344,3 +344,27 @@ def test_directions_are_a_polar_plot_with_the_worst_marked() -> None:
     crosses = [line for line in axes.lines if line.get_marker() == "x"]
     assert [len(line.get_xdata()) for line in crosses] == [0, int((peak > 0.4).sum())]
     assert "crosses: overturned" in drawn.get_suptitle()
+
+
+def test_datasets_of_which_one_varies_along_more_axes_are_drawn_together():
+    """The peak of the ground is of the amplitudes alone, that of a floor of the frequencies too."""
+    study = {
+        "name": "ground",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.2},
+            "motion": {"pulse": {"shape": "sine", "a_p": 3.0, "omega_p": 4.0}},
+        },
+        "vary": {
+            "motion.pulse.a_p": {"from": 0.5, "to": 4.0, "n": 5},
+            "motion.pulse.omega_p": {"from": 3.0, "to": 9.0, "n": 6},
+        },
+    }
+    floor = {"motion": study["case"]["motion"] | {"through": [{"T": 0.5, "zeta": 0.1}]}}
+    one, other = (rockcli.run(each) for each in (study, study | {"name": "floor", "case": study["case"] | floor}))
+    assert one["pga"].ndim < other["pga"].ndim
+    for first, second in ((one, other), (other, one)):
+        both = overlaid([first, second], ["first", "second"])
+        for i, each in enumerate((first, second)):
+            pga = np.broadcast_to(each["pga"].values.reshape(5, -1), (5, 6))
+            np.testing.assert_array_equal(both["pga"].isel(dataset=i).values, pga)
+        assert len(rockcli.plot([first, second], "map").axes) >= 2

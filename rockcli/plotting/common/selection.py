@@ -179,7 +179,7 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
     impacts = max(int(each.sizes.get(IMPACT, 0)) for each in datasets)
     items: dict[str, Any] = {}
     for name in names_of_all:
-        dims = tuple(str(dim) for dim in first[name].dims)
+        dims = tuple(dim for dim in (*axes, TIME, IMPACT) if any(dim in each[name].dims for each in datasets))
         rows = [_values(each, name, dims, time, impacts) for each in datasets]
         if name == MOTION:
             rows = [row + _MANY * _first_alike(datasets, i) for i, row in enumerate(rows)]
@@ -220,15 +220,21 @@ def _is_of_cases(dataset: xarray.Dataset, name: str, axes: tuple[str, ...]) -> b
 
 
 def _values(dataset: xarray.Dataset, name: str, dims: tuple[str, ...], time: Array, impacts: int) -> Array:
-    """The values of a dataset over the dimensions of the first: histories at the times of all, impacts as many."""
-    item = dataset[name].transpose(*dims)
-    values = np.asarray(item.values)
-    if TIME in dims:
-        own = dataset[TIME].values
-        return np.apply_along_axis(lambda y: np.interp(time, own, y, right=np.nan), dims.index(TIME), values)
-    if IMPACT in dims:
-        missing = [(0, impacts - n if dim == IMPACT else 0) for dim, n in zip(dims, values.shape, strict=True)]
-        return np.pad(values.astype(float), missing, constant_values=np.nan)
+    """The values of a dataset over dimensions, some of which are of others: histories at the times of all.
+
+    Impacts are as many as in the dataset that has most.
+    """
+    own = tuple(dim for dim in dims if dim in dataset[name].dims)
+    values = np.asarray(dataset[name].transpose(*own).values)
+    if TIME in own:
+        when = dataset[TIME].values
+        values = np.apply_along_axis(lambda y: np.interp(time, when, y, right=np.nan), own.index(TIME), values)
+    elif IMPACT in own:
+        missing = [(0, impacts - n if dim == IMPACT else 0) for dim, n in zip(own, values.shape, strict=True)]
+        values = np.pad(values.astype(float), missing, constant_values=np.nan)
+    for at, dim in enumerate(dims):
+        if dim not in own:
+            values = np.repeat(np.expand_dims(values, at), int(dataset.sizes[dim]), axis=at)
     return values
 
 
