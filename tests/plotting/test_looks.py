@@ -368,3 +368,38 @@ def test_datasets_of_which_one_varies_along_more_axes_are_drawn_together():
             pga = np.broadcast_to(each["pga"].values.reshape(5, -1), (5, 6))
             np.testing.assert_array_equal(both["pga"].isel(dataset=i).values, pga)
         assert len(rockcli.plot([first, second], "map").axes) >= 2
+
+
+def test_lines_over_datasets_drawn_together_are_those_of_their_own_models():
+    """Linearized blocks lift at g alpha, and fall by another separatrix; those of the first were drawn over all."""
+    study = {
+        "name": "rigid",
+        "case": {
+            "block": {"R": 2.0, "tan_alpha": 0.6},
+            "motion": {"pulse": {"shape": "sine", "a_p": 8.0, "omega_p": 4.0}},
+        },
+    }
+    a_p, omega_p = ({"from": low, "to": high, "n": 5} for low, high in ((1.0, 9.0), (3.0, 9.0)))
+    vary = {"vary": {"motion.pulse.a_p": a_p, "motion.pulse.omega_p": omega_p}}
+    linear = {"name": "linearized", "case": study["case"] | {"model": "linearized"}}
+    for first, second in ((study, study | linear), (study | linear, study)):
+        maps = [rockcli.run(each | vary) for each in (first, second)]
+        together = rockcli.plot(maps, "map")
+        for panel, one in zip(together.axes, maps, strict=False):
+            (own,) = (line for line in rockcli.plot(one, "map").axes[0].lines if line.get_gid() == "uplift")
+            (line,) = (line for line in panel.lines if line.get_gid() == "uplift")
+            assert panel.get_title() == one.attrs["study_name"]
+            np.testing.assert_allclose(line.get_ydata(), own.get_ydata(), rtol=1e-12)
+        words = [text.get_text() for text in together.legends[0].get_texts()]
+        assert r"uplift, $g\,\tan\alpha$ or $g\,\alpha$" in words
+        cases = [rockcli.run(each) for each in (first, second)]
+        panels = [panel for panel in rockcli.plot(cases, "phase").axes if panel.lines]
+        rates = []
+        for panel, one in zip(panels, cases, strict=True):
+            (alone,) = rockcli.plot(one, "phase").axes
+            line, own = ([each for each in p.lines if len(each.get_xdata()) == 201][-1] for p in (panel, alone))
+            x = np.linspace(0.0, 0.9, 10)
+            rate = np.interp(x, *line.get_data())
+            np.testing.assert_allclose(rate, np.interp(x, *own.get_data()), atol=1e-3)
+            rates.append(rate)
+        assert np.abs(rates[1] - rates[0]).max() > 0.01

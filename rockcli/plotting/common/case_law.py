@@ -47,7 +47,8 @@ def model_of(dataset: xarray.Dataset) -> Model | None:
 def may_have_dashpot(dataset: xarray.Dataset) -> bool:
     """Whether some case of the study, or of a table of it, has a dashpot, which takes energy between impacts."""
     tables = (dataset[name].values for name in map(str, dataset.variables) if name.startswith("given_damping"))
-    return "dashpot" in str(dataset.attrs.get("study", "")) or any("dashpot" in map(str, np.ravel(t)) for t in tables)
+    said = (str(dataset.attrs.get(name, "")) for name in ("study", "cases"))
+    return any("dashpot" in words for words in said) or any("dashpot" in map(str, np.ravel(t)) for t in tables)
 
 
 def _chosen_by_settings(dataset: xarray.Dataset) -> bool:

@@ -6,13 +6,43 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
     import xarray
 
 
+DATASET = "dataset"
+"""Axis along which datasets that are drawn together are told apart."""
+
+
 def resolved_case(dataset: xarray.Dataset) -> dict[str, Any]:
-    """The base case with every default written out; empty for a dataset that carries none."""
-    return dict(json.loads(dataset.attrs.get("case", "{}")))
+    """The base case with every default written out; empty for a dataset that carries none.
+
+    Of several datasets that are drawn together what is the same in all.
+    """
+    cases = resolved_cases(dataset)
+    return cases[0] if len(cases) == 1 else _common(cases)
+
+
+def resolved_cases(dataset: xarray.Dataset) -> list[dict[str, Any]]:
+    """The base case, or those of datasets that are drawn together, in their order."""
+    if "cases" not in dataset.attrs:
+        return [dict(json.loads(dataset.attrs.get("case", "{}")))]
+    cases = json.loads(dataset.attrs["cases"])
+    return [cases[str(label)] for label in np.ravel(dataset[DATASET].values)]
+
+
+def _common(trees: list[dict[str, Any]]) -> dict[str, Any]:
+    """What several trees have in common."""
+    found: dict[str, Any] = {}
+    for key, value in trees[0].items():
+        below = [other for tree in trees if isinstance(other := tree.get(key), dict)]
+        if len(below) == len(trees):
+            found[key] = _common(below)
+        elif all(key in tree and tree[key] == value for tree in trees):
+            found[key] = value
+    return found
 
 
 def case_settings(dataset: xarray.Dataset) -> dict[str, str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.case_settings import resolved_case
+from rockcli.plotting.common.case_settings import DATASET, resolved_case, resolved_cases
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.response import SLIDING
 from rockcli.scene.units import Units, g_of, unit_words, written
@@ -115,9 +115,11 @@ def whose(dataset: xarray.Dataset, axis: str) -> str:
 
 def has_floors(dataset: xarray.Dataset) -> bool:
     """Whether the base case, an axis or a setting has something stand between the ground and the body."""
-    motion = resolved_case(dataset).get("motion") or {}
+    motions = [case.get("motion") or {} for case in resolved_cases(dataset)]
     axes = str(dataset.attrs.get("axes", "")).split()
-    if motion.get("through") or any(path_of(dataset, axis) == "motion.through" for axis in axes):
+    if any(motion.get("through") for motion in motions) or any(
+        path_of(dataset, axis) == "motion.through" for axis in axes
+    ):
         return True
     processing = json.loads(dataset.attrs.get("processing", "{}"))
     return any(step.startswith("through ") for steps in processing.values() for step in steps)
@@ -129,11 +131,15 @@ def deforms(dataset: xarray.Dataset) -> bool:
 
 
 def _models(dataset: xarray.Dataset) -> Any:
-    """Names of the models: a coordinate over their axis, or one name."""
+    """Names of the models: over their axis, or that of several datasets, or one name."""
     axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "model"]
-    model = resolved_case(dataset).get("model")
-    base = model.get("name") if isinstance(model, dict) else model
-    return dataset[axes[0]].astype(str) if axes else str(base)
+    if axes:
+        return dataset[axes[0]].astype(str)
+    models = [case.get("model") for case in resolved_cases(dataset)]
+    names = [str(model.get("name") if isinstance(model, dict) else model) for model in models]
+    if len({*names}) == 1:
+        return names[0]
+    return dataset[DATASET].copy(data=np.array(names, dtype=object)).astype(str)
 
 
 def lifts_words(dataset: xarray.Dataset) -> list[str]:
@@ -156,10 +162,14 @@ def lifts_without(dataset: xarray.Dataset) -> str:
 
 def _has_vertical(dataset: xarray.Dataset) -> bool:
     """Whether the base case, an axis or a setting, as the study writes them, has vertical motion."""
-    motion = resolved_case(dataset).get("motion") or {}
+    motions = [case.get("motion") or {} for case in resolved_cases(dataset)]
     axes = str(dataset.attrs.get("axes", "")).split()
     written = _VERTICAL.search(str(dataset.attrs.get("study", ""))) is not None
-    return bool(motion.get("vertical")) or written or any(".vertical." in path_of(dataset, axis) for axis in axes)
+    return (
+        any(motion.get("vertical") for motion in motions)
+        or written
+        or any(".vertical." in path_of(dataset, axis) for axis in axes)
+    )
 
 
 def unit_g(dataset: xarray.Dataset) -> float:

@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.errors import StudyError
+from rockcli.plotting.common.case_settings import DATASET, resolved_case
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric
 from rockcli.plotting.common.labels import coordinate_label, path_of, shown_unit
 from rockcli.scene.variables import IMPACT, MOTION, TIME
 
 if TYPE_CHECKING:
     import xarray
-
-DATASET = "dataset"
-"""Axis along which overlaid datasets are told apart."""
 
 _NEAR = 1e-6
 """Relative difference up to which a number that was typed is the one of the axis."""
@@ -193,7 +191,7 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
     coords |= {name: items.pop(name) for name in names_of_all if name in first.coords}
     titles = dict.fromkeys(str(each.attrs.get("title", "")) for each in datasets)
     attrs = {"axes": " ".join([DATASET, *axes]), "title": " / ".join(filter(None, titles))}
-    attrs |= {key: first.attrs[key] for key in ("case",) if key in first.attrs}
+    attrs["cases"] = json.dumps(dict(zip(labels, map(resolved_case, datasets), strict=True)))
     return first.__class__(items, coords, attrs)
 
 
