@@ -438,6 +438,18 @@ def test_points_of_an_axis_are_drawn_in_ascending_order(kind: str) -> None:
     assert np.array_equal(pixels(shuffled), pixels(dataset))
 
 
+@pytest.mark.parametrize(("kind", "path"), [("polar", "motion.record.angle"), ("spectrum", "block.R")])
+def test_gaps_of_a_curve_are_told(kind: str, path: str) -> None:
+    """Cases that failed, or are unresolved, have no peak."""
+    dataset = peaks(("along", "two"), (path, "two")).assign_coords(p=("along", np.linspace(1.0, 3.0, 6)))
+    assert "without an answer" not in figures.figure(kind, dataset).get_label()
+    dataset["theta_peak_over_alpha"][:] = np.inf
+    assert "ring" not in figures.figure(kind, dataset).get_label()  # of directions that all overturn none is worst
+    dataset["theta_peak_over_alpha"][1:3, 4] = np.nan
+    dataset["outcome"][1:3, 4] = -2
+    assert "2 of 42 cases without an answer left out" in figures.figure(kind, dataset).get_label()
+
+
 def test_the_share_of_a_suite_is_drawn_in_ascending_order() -> None:
     study = {
         "name": "s",

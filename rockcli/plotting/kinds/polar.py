@@ -78,6 +78,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     top = max((float(np.max(y, where=np.isfinite(y), initial=0.0)) for y in curves), default=0.0) or 1.0
     if top > 0.7:
         top = max(top, 1.0)
+    ringed = False
     for number, (case, y) in enumerate(zip(shown, curves, strict=True)):
         around = np.append(np.arange(len(angle)), 0) if closed else np.arange(len(angle))
         colour = COLOURS[number]
@@ -89,7 +90,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         fell = np.isposinf(y)
         axes.plot(angle[fell], np.full(int(fell.sum()), _EDGE * top), "x", color=colour, markersize=3.5)
         if not fell.any() and np.isfinite(y).any() and np.nanmax(finite) > _TELLING * top:
-            worst = int(np.nanargmax(finite))
+            ringed, worst = True, int(np.nanargmax(finite))
             axes.plot(angle[worst], y[worst], "o", markersize=6.5, markerfacecolor="none", color="black", zorder=5)
             words = f"{np.degrees(angle[worst]):.4g}\N{DEGREE SIGN}: {y[worst]:.3g}"
             box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
@@ -106,10 +107,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axes.grid(color=QUIET, linewidth=0.4, alpha=0.6)
     place = {"y": 0.75 + _ABOVE / side} if flat else {}
     axes.set_title(f"{variable_label(PEAK)} by direction", fontsize=8.5, pad=8.0, **place)
+    missing = sum(int(np.isnan(y).sum()) for y in curves)
     notes = (
         selection_note(len(shown), total, "curves"),
-        "ring: worst direction",
+        "ring: worst direction" if ringed else "",
         "crosses: overturned" if any(np.isposinf(y).any() for y in curves) else "",
+        f"{missing} of {len(shown) * len(angle)} cases without an answer left out" if missing else "",
     )
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     if len(shown) > 1:

@@ -191,7 +191,10 @@ def _prescreens(part: xarray.Dataset, row: Row) -> list[tuple[str, Any, str]]:
 def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
     """What is not drawn as a value: cases that overturn, or of a search what lies outside its range."""
     if not rows[0].name.endswith(FOUND):
-        return "bars at the top: overturned"
+        peaks = dataset[rows[0].name].values
+        missing = int(np.isnan(peaks).sum())
+        none = f"; {missing} of {peaks.size} cases without an answer left out" if missing else ""
+        return f"bars at the top: overturned{none}"
     state = thresholds_in(dataset, rows[0].name).state
     words = ["bars at the top: nothing in the range overturns"]
     for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
