@@ -121,6 +121,27 @@ def test_the_peak_of_a_body_on_two_edges_is_that_over_alpha() -> None:
     assert np.concatenate(rings) == pytest.approx(np.array([[at, -most]]))
 
 
+def test_crosses_are_where_the_curves_pass_the_unstable_equilibrium() -> None:
+    """That of corotational model 2 is at 1.091 alpha of .4; its cross was at alpha, beside the curve."""
+    study = {
+        "name": "m",
+        "case": {
+            "block": {"R": 1.0, "alpha": 0.4},
+            "motion": {"pulse": {"shape": "sine", "a_p": 12.0, "f_p": 1.0}},
+            "geometry": "corotational",
+        },
+        "vary": {"model": ["rigid", "2"]},
+        "compare_to": {"model": "rigid"},
+    }
+    dataset = rockcli.run(study)
+    time, theta = dataset["time"].values, dataset["theta"].values / 0.4
+    expected = [[at, np.interp(at, time, one)] for at, one in zip(dataset["t_overturn"].values, theta, strict=True)]
+    assert np.abs(expected) == pytest.approx(np.array([[expected[0][0], 1.0], [expected[1][0], 1.0913]]), abs=3e-3)
+    figure = figures.figure("histories", dataset)
+    crosses = [line.get_xydata()[0] for axes in figure.axes for line in axes.lines if line.get_marker() == "x"]
+    assert np.array(crosses) == pytest.approx(np.array(expected[::-1]), rel=1e-9)
+
+
 def test_only_the_response_is_shown() -> None:
     late = shaken([noise(0)], [swing(60.0, 75.0)])
     seen = window(late, [(0,)])

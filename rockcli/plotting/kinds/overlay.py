@@ -253,9 +253,10 @@ def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Positio
         passed = number_at(dataset, "t_overturn", case)
         if np.isfinite(passed):
             fell = True
-            side = np.sign(response.ratio[np.flatnonzero(np.isfinite(response.ratio))[-1]])
+            known = np.isfinite(response.ratio)
+            leaves = np.interp(passed, response.time[known], response.ratio[known])  # alpha, or where models 2, 3 fall
             mark = {"color": drawn["color"], "markersize": 4.0, "markeredgewidth": 1.0, "zorder": 5}
-            panel["theta"].plot(passed, side, "x", **mark)
+            panel["theta"].plot(passed, leaves, "x", **mark)
     for axes in panel.values():
         axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.margins(y=0.08)
