@@ -459,6 +459,15 @@ def test_points_of_an_axis_are_drawn_in_ascending_order(kind: str) -> None:
     assert np.array_equal(pixels(shuffled), pixels(dataset))
 
 
+def test_a_size_that_returns_between_two_that_overturn_is_seen_in_a_spectrum() -> None:
+    dataset = peaks(("along", "two"), ("block.R", "two")).assign_coords(p=("along", np.linspace(3.0, 1.0, 6)))
+    dataset["theta_peak_over_alpha"][[0, 2, 3], 1] = np.inf
+    period = 2.0 * np.pi / dataset["p"].values
+    axes = figures.figure("spectrum", dataset).axes[0]
+    dots = np.concatenate([line.get_xydata() for line in axes.lines if line.get_marker() == "o"])
+    assert dots == pytest.approx(np.array([[period[1], 0.3]]))
+
+
 @pytest.mark.parametrize(("kind", "path"), [("polar", "motion.record.angle"), ("spectrum", "block.R")])
 def test_gaps_of_a_curve_are_told(kind: str, path: str) -> None:
     """Cases that failed, or are unresolved, have no peak."""

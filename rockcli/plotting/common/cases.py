@@ -60,6 +60,12 @@ def in_order(dataset: xarray.Dataset, *axes: str) -> xarray.Dataset:
     return dataset
 
 
+def lonely(y: Array) -> NDArray[np.intp]:
+    """Values between two that are none: a line does not show them."""
+    known = np.concatenate([[False], np.isfinite(y), [False]])
+    return np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])
+
+
 def values_at(dataset: xarray.Dataset, name: str, position: tuple[int, ...]) -> Array:
     """Values of a variable or coordinate for one case: a number, or (time,) or (impact,)."""
     return values_of(dataset[name], axes_of(dataset), position)
