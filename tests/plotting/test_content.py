@@ -19,6 +19,7 @@ from rockcli.plotting.common import ground
 from rockcli.plotting.common.labels import axis_label, coordinate_label
 from rockcli.plotting.common.response import edges, response_of, window
 from rockcli.plotting.kinds import map as outcomes
+from rockcli.plotting.page.facts import facts_of
 
 ASYMMETRIC = {"name": "a", "case": {"block": {"h": 1.05, "b": [0.2, 0.35]}}, "vary": {"initial.theta": [-0.15, 0.1]}}
 TIME = np.round(np.arange(0, 150, 0.01), 2)
@@ -621,3 +622,17 @@ def test_the_numbers_along_slender_bodies_do_not_touch(width: int) -> None:
         seen = [box for box in labels if axes.bbox.x0 <= 0.5 * (box.x0 + box.x1) <= axes.bbox.x1]
         for left, right in pairwise(seen):
             assert right.x0 - left.x1 > 0.25 * right.height
+
+
+def test_the_page_tells_the_rotation_nearest_to_alpha_beside_its_margin() -> None:
+    """Of a body whose largest rotation is to the side of the larger alpha."""
+    case = {
+        "block": ASYMMETRIC["case"]["block"],
+        "motion": {"pulse": {"shape": "sine", "a_p": 7.2, "f_p": 2, "cycles": 3}},
+    }
+    dataset = rockcli.run({"name": "a", "case": case, "save": {"histories": False}})
+    nearest, largest = (np.degrees(float(dataset[f"theta_peak_{side}"])) for side in ("left", "right"))
+    told = {fact.what: fact.value for fact in facts_of(dataset)}
+    assert largest > nearest
+    assert told["rotation nearest to alpha"] == f"{nearest:.3g}°"
+    assert told["margin"] == f"{100.0 - 100.0 * np.radians(nearest) / float(dataset['alpha_left']):.3g} %"

@@ -108,6 +108,9 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
     several = peaks.size > 1
     theta = abs(number_at(dataset, "theta_peak", at))
     theta = theta if np.isfinite(theta) else ratio * _alpha(dataset, at)
+    alpha = _falls_beyond(dataset, at)
+    if np.isnan(alpha) and "theta_peak_left" in dataset.variables:  # the largest may be to the other side
+        theta = min(theta, ratio * _alpha_of_peak(dataset, at))
     found = []
     if np.isfinite(theta):
         what, words = "largest rotation", "the largest of the cases that come back"
@@ -122,7 +125,6 @@ def _peak(dataset: xarray.Dataset) -> list[Fact]:
         said = "sideways at most, of a rigid rectangle"
     if np.isfinite(top):
         found.append(Fact(_length(top), "the top moves", said + (", in that case" if several else "")))
-    alpha = _falls_beyond(dataset, at)
     if np.isnan(alpha):
         alpha, weak = _equilibrium(dataset, at), _alpha_of_peak(dataset, at)
         if np.isinf(alpha):  # models 2 and 3 of bodies wider than high
