@@ -30,13 +30,12 @@ def show(
     Models, backends, variables of the dataset, symbols of expressions, pulses, plots, environment variables; or the
     schema of a study as JSON.
     """
-    from difflib import get_close_matches
-
     from rockcli.errors import StudyError
+    from rockcli.study.document.tree import meant
 
     if topic not in _TOPICS:
-        close = get_close_matches(topic, _TOPICS, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
+        close = meant(topic, _TOPICS)
+        hint = "" if close is None else f"; did you mean {close!r}?"
         raise StudyError(f"show {topic}: expected one of {', '.join(_TOPICS)}{hint}")
     say(_TOPICS[topic]())
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -155,3 +157,16 @@ def test_more_than_a_page_are_the_worst_and_the_note_says_so():
 def test_numbers_alone_have_no_ranking():
     dataset = rockcli.run(study(vary={"block.height": [1.0, 2.0, 3.0]}))
     assert "by name" in figures.why_not("ranking", dataset)
+
+
+def test_long_names_leave_room_for_the_marks_in_a_column_of_a_journal():
+    names = {f"a long name of a cabinet in the second storey, room {k}, at the wall": 0.3 + 0.1 * k for k in range(4)}
+    bodies = {name: {"height": 2.0, "width": width} for name, width in names.items()}
+    figure = rockcli.plot(rockcli.run(study(vary={"block": bodies})), "ranking", width="single")
+    figure.draw_without_rendering()
+    panel = figure.axes[0]
+    assert panel.get_position().width > 0.4
+    shown = [label.get_window_extent() for label in panel.get_yticklabels()]
+    assert all(box.x0 >= 0.0 for box in shown)
+    ends = sorted((box.y0, box.y1) for box in shown)
+    assert all(top <= bottom for (_, top), (bottom, _) in pairwise(ends))

@@ -23,6 +23,7 @@ from rockcli.plotting.common.style import (
     legend_of,
     new_figure,
     width_or,
+    wrapped,
 )
 from rockcli.plotting.common.suite import (
     Suite,
@@ -49,8 +50,11 @@ CAPACITY = "fragility_median"
 _MOST_ROWS = 60
 """Rows of a page."""
 
-_ROW, _COLUMN = 0.155, 0.17
-"""Height of a row, width of a column of the strip [in]."""
+_ROW, _LINE, _COLUMN = 0.155, 0.125, 0.17
+"""Height of a row and of one more line of its name, width of a column of the strip [in]."""
+
+_NAMES, _LETTERS = 0.42, 21.0
+"""Share of the width that names take at most, beyond which they have several lines; letters of theirs in an inch."""
 
 _APART, _ACROSS = 0.2, 0.6
 """Between the marks of neighbouring alternatives in a row, and at most between the first and the last [rows]."""
@@ -118,7 +122,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     columns = [r for r in (*STRIP, _NO_CURVE, _NEVER, _ALWAYS) if r in reasons and reasons[r][order].any()]
     natural = SINGLE * 1.3 if len(panels) == 1 else DOUBLE
     width = width_or(natural)
-    figure = new_figure(width, 1.5 + _ROW * len(order))
+    names = [coordinate_label(dataset, axis, int(i)) for i in order]
+    names = ["\n".join(wrapped(name, int(_NAMES * width * _LETTERS))) for name in names]
+    row = _ROW + _LINE * max((name.count("\n") for name in names), default=0)
+    figure = new_figure(width, 1.5 + row * len(order))
     strip = [_COLUMN * len(columns)] if columns else []
     share = (0.7 * width - sum(strip)) / len(panels)
     widths = [share, *strip, *([share] * (len(panels) - 1))]
@@ -129,12 +136,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if columns:
         _draw_strip(grid[1], columns, reasons, order)
     first = grid[0]
-    first.set_yticks(range(len(order)), [coordinate_label(dataset, axis, int(i)) for i in order], fontsize=7.5)
+    first.set_yticks(range(len(order)), names, fontsize=7.5, linespacing=1.0)
     first.set_ylim(len(order) - 0.4, -0.6)
     headline(figure, title_of(dataset), "; ".join(filter(None, _notes(dataset, len(order), shown, total, panels))))
     if len(shown) > 1:
         legend_of(figure, first, 3)
-    fit_panels(figure, first, _ROW * (len(order) + 0.4))
+    fit_panels(figure, first, row * (len(order) + 0.4))
     return figure
 
 
