@@ -158,7 +158,7 @@ class Numbers:
         self.fail(keys, "must be the same in all cases that differ only in numbers")
 
     def array(self, value: Value) -> Array:
-        """A number of every case, (n,)."""
+        """A number of every case, (n,); read-only, and one row that stands for all where it is the same in all."""
         return np.broadcast_to(np.asarray(value, dtype=np.float64), (self.n,))
 
     def require(self, keys: Keys, good: Any, message: str) -> None:
