@@ -32,7 +32,7 @@ class Array(NamedTuple):
 
 
 VECTOR, MATRIX, CUBE, TABLES = Array(1), Array(2), Array(3), Array(4)
-CHARACTERS = Array(1, "uint8")
+CHARACTERS, ROWS = Array(1, "uint8"), Array(1, "int64")
 
 V2 = ("cx16", "popcnt", "sahf", "sse3", "ssse3", "sse4.1", "sse4.2")
 V3 = (*V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")

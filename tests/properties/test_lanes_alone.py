@@ -14,7 +14,7 @@ from scenes import G, make_batch, pulse
 
 import rockcli
 from rockcli import kernels
-from rockcli.kernels.lanes.vector import elementary, plain
+from rockcli.kernels.lanes.vector import WIDTH, elementary, plain
 from rockcli.scene.body.block import make_block
 from rockcli.solvers.event import pulse_lanes as lane_pulses
 from rockcli.solvers.event.solver import solve
@@ -62,6 +62,39 @@ def test_in_chunks(together, chunk):
 def test_one_alone(together, case):
     for name, values in results(np.array([case])).items():
         np.testing.assert_array_equal(values, together[name][[case]])
+
+
+@pytest.mark.parametrize(("length", "begins", "n"), [(40, 0, 800), (40, 13, 777), (7, 6, 50)])
+def test_lines_of_a_map_are_taken_side_by_side(length, begins, n):
+    """Every row once; rows taken one after the other stand at the same place of as many lines as a vector has lanes."""
+    place = (np.arange(n) + begins) % length
+    for strength in (place + 1.0, 1.0 / (place + 1.0)):
+        order = lane_pulses.in_turn(strength)
+        assert sorted(order) == list(range(n))
+        first = order[(order + begins) // length < WIDTH]
+        np.testing.assert_array_equal(order[: len(first)], first)
+        assert (np.diff(place[first]) >= 0).all()
+
+
+@pytest.mark.parametrize(
+    "strength", [[], [2.0], [1.0, 2.0, 3.0], [2.0, 2.0, 2.0], [1, 2, 3, 1, 2, 1, 2, 3], [1, 3, 2, 5, 4, 4, 6]]
+)
+def test_other_rows_are_taken_as_they_come(strength):
+    np.testing.assert_array_equal(lane_pulses.in_turn(np.array(strength)), np.arange(len(strength)))
+
+
+def test_a_map_shuffled():
+    """Lines side by side, and rows as they come, give the same bits."""
+    A, W = (x.ravel() for x in np.meshgrid(np.linspace(0.8, 4.0, 30), np.linspace(0.8, 6.0, 20)))
+    R, alpha = np.full(len(A), 2.0), 0.2
+    order = np.random.default_rng(3).permutation(len(A))
+    found = []
+    for rows in (np.arange(len(A)), order):
+        body = make_block(h=R * np.cos(alpha), b=np.full((len(A), 2), 2.0 * np.sin(alpha)), R=R, alpha=alpha, n=len(A))
+        motion = pulse("ricker", A[rows] * G * np.tan(alpha), W[rows] * np.sqrt(0.75 * G / 2.0))
+        found.append(solve(make_batch(body, motion, eta=np.full((len(A), 2), 0.9), scalars=SCALARS)).scalars)
+    for name in SCALARS:
+        np.testing.assert_array_equal(found[0][name][order], found[1][name])
 
 
 OUTLINE = [[-0.3, 0.02], [-0.15, 0], [0.15, 0], [0.3, 0.02], [0.35, 2], [-0.35, 2]]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.kernels.constants import LEFT_TO_MARCH
+from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as results_of_rolling
@@ -124,7 +125,8 @@ def in_lanes(
             for table, some in _begun(tables, kind):
                 part, pieces = found[some], table.shape[1]
                 pulses, work = table.reshape(len(table), pieces * PIECE_WIDTH), lanes.work_space()
-                lanes.sweep(rows[some], bodies, how, pulses, pieces, two_sided, path, until_fall, work, part)
+                order = in_turn(_strength(rows[some], table))
+                lanes.sweep(order, rows[some], bodies, how, pulses, pieces, two_sided, path, until_fall, work, part)
                 if not isinstance(some, slice):  # of a slice `part` is a view
                     found[some] = part
     found[found[:, to.STATUS] == LEFT_TO_MARCH, to.STATUS] = np.nan
@@ -147,6 +149,39 @@ def _kinds(rows: Array, bodies: Array) -> list[tuple[bool, Any]]:
     if uneven.all():
         return [(True, whole)]
     return [(False, np.flatnonzero(~uneven)), (True, np.flatnonzero(uneven))]
+
+
+def _strength(rows: Array, tables: Array) -> Array:
+    """The largest |a_g| of some rows' pulses over that which lifts the body, (n,)."""
+    if not tables.shape[1]:
+        return np.zeros(len(rows))
+    return np.asarray(tables[:, 0, 13] / (rows[:, at.G] * rows[:, at.LEFT + at.THRESHOLD]))
+
+
+def in_turn(strength: Array) -> NDArray[np.int64]:
+    """The order in which rows take a lane, (n,).
+
+    In a map the strength rises or falls over every line, and again over the next: WIDTH lines are gone through side by
+    side, as their points of one strength have most in common.  Other rows are taken as they come.
+    """
+    n = len(strength)
+    change = np.diff(strength)
+    begins = np.flatnonzero(change < 0.0) + 1
+    if 2 * len(begins) > n:
+        begins = np.flatnonzero(change > 0.0) + 1
+    if len(begins) < 2:
+        return np.arange(n)
+    length = int(begins[1] - begins[0])
+    if begins[0] > length or not (np.diff(begins) == length).all() or n - begins[-1] > length:
+        return np.arange(n)
+    missing = length - int(begins[0])  # of the first line
+    lines = np.arange(len(begins) + 1)
+    places = [
+        (some[None, :] * length + np.arange(length)[:, None]).ravel() - missing
+        for some in np.array_split(lines, range(WIDTH, len(lines), WIDTH))
+    ]
+    order = np.concatenate(places)
+    return np.asarray(order[(order >= 0) & (order < n)])
 
 
 def _begun(tables: Array, some: Any) -> list[tuple[Array, Any]]:

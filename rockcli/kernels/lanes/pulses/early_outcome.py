@@ -31,16 +31,18 @@ def judge(state, o, how, two_sided):
     )  # fmt: skip
     stored = 2.0 * potential(r0, rc, q, rs * bend, sine)
     energy, top = v * v + stored, 2.0 * load(state, o + lane.L_TOP * WIDTH)
-    least = top  # of both edges: the rate goes on over an impact, less by eta
+    crest, speed = load(state, o + lane.L_CREST * WIDTH), sqrt(select(energy > 0.0, energy, 0.0))
+    least, lower = top, crest  # of both edges: the rate goes on over an impact, less by eta
     if two_sided:
         there = o + lane.TO_OTHER
-        least, other = 2.0 * load(state, there + lane.L_TOP * WIDTH), load(state, there + lane.L_PULL * WIDTH)
-        least, pull = select(least < top, least, top), select(other > pull, other, pull)
+        least, lower = 2.0 * load(state, there + lane.L_TOP * WIDTH), load(state, there + lane.L_CREST * WIDTH)
+        other = load(state, there + lane.L_PULL * WIDTH)
+        least, lower = select(least < top, least, top), select(lower < crest, lower, crest)
+        pull = select(other > pull, other, pull)
     both = pull * (plus + minus)
-    brim, speed = sqrt(top), sqrt(select(energy > 0.0, energy, 0.0))
-    inside, doubt = q < load(state, o + lane.L_STAR * WIDTH), 100.0 * margin * brim
-    returns = inside & (speed + both < sqrt(least) - doubt)
-    falls = (v > 0.0) & (speed - inward > brim + doubt)
+    inside, doubt = q < load(state, o + lane.L_STAR * WIDTH), 100.0 * margin * crest
+    returns = inside & (speed + both < lower - doubt)
+    falls = (v > 0.0) & (speed - inward > crest + doubt)
     falls = (inside & falls) | (~inside & (v > inward + doubt))
 
     over = t >= load(state, o + lane.L_END * WIDTH)  # nothing more to come: the sign of the excess decides
@@ -48,9 +50,11 @@ def judge(state, o, how, two_sided):
     returns = returns | (over & inside & (energy < least))
     falls = falls | (over & ((inside & (excess > 0.0) & (v > 0.0)) | (~inside & (excess < 0.0))))
     p = load(state, o + lane.L_P * WIDTH)
-    near = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
-    near = near + 1e-13 * p * p
-    near = (abs(excess) <= near) | (abs(energy - least) <= near)
+    near = over
+    if some(over):
+        close = 10.0 * margin * load(state, o + lane.L_ALPHA * WIDTH) * p * (abs(v) + sqrt(abs(top - stored)))
+        close = close + 1e-13 * p * p
+        near = over & ((abs(excess) <= close) | (abs(energy - least) <= close))
 
     verdict = load(state, o + lane.VERDICT * WIDTH)
     asked = going & (mode == lane.ROCK) & (verdict < 0.0)
@@ -64,9 +68,7 @@ def judge(state, o, how, two_sided):
         stop = load(state, o + lane.L_STOP * WIDTH)
         known = still | (verdict == 1.0 * FALLS) | (known & (t >= stop) & ((v <= 0.0) | ends))
     next_event = select(known, lane.DONE, lane.NONE)
-    doubtful = (
-        (asked & over & near) | (going & ends & ~known) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
-    )
+    doubtful = (asked & near) | (going & ends & ~known) | (load(state, o + lane.N_STEPS * WIDTH) >= how.max_steps)
     next_event = select(doubtful, lane.FOR_MARCH, next_event)
     store(state, o + lane.VERDICT * WIDTH, verdict)
     store(state, o + lane.EVENT * WIDTH, select(going, next_event, event))

@@ -33,9 +33,9 @@ def find_impacts(state, poly, lanes, count):
         chosen, skips = load(poly, 0), load(poly, WIDTH)
         where = chosen + skips * (1.0 * WIDTH)
         for k in range(ORDER + 1):
-            store(poly, k * WIDTH, gather(state, where + 1.0 * series_of_q(k * WIDTH)))
+            store(poly, k * WIDTH, gather(state, where, series_of_q(k * WIDTH)))
         sinks = (load(poly, 0) <= 0.0) & (skips > 0.0)  # would enter the ground at once
-        x, slope = first_root(poly, ORDER, gather(state, chosen + 1.0 * (lane.H * WIDTH)))
+        x, slope = first_root(poly, ORDER, gather(state, chosen, lane.H * WIDTH))
         for power in range(4):
             slope = select(skips > power, slope * x, slope)
         x = select(sinks, LOST, x)
@@ -67,15 +67,15 @@ def find_uplifts(state, two_sided, poly, lanes, count):
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         chosen = padded(lanes, begin, slots, poly)
-        h, one = gather(state, chosen + 1.0 * (lane.H * WIDTH)), gather(state, chosen + 1.0 * (lane.L_GUARD * WIDTH))
-        onto = gather(state, chosen + 1.0 * (lane.L_SIDE * WIDTH))
+        h, one = gather(state, chosen, lane.H * WIDTH), gather(state, chosen, lane.L_GUARD * WIDTH)
+        onto = gather(state, chosen, lane.L_SIDE * WIDTH)
         other = one
         if two_sided:
-            other = gather(state, chosen + 1.0 * (lane.TO_OTHER + lane.L_GUARD * WIDTH))
+            other = gather(state, chosen, lane.TO_OTHER + lane.L_GUARD * WIDTH)
         side, first = spread(0.0), spread(NO_ROOT)
         for sign in (-1.0, 1.0):
             for k in range(ORDER + 1):
-                store(poly, k * WIDTH, sign * gather(state, chosen + 1.0 * series_of_a(k * WIDTH)))
+                store(poly, k * WIDTH, sign * gather(state, chosen, series_of_a(k * WIDTH)))
             store(poly, 0, load(poly, 0) + select(onto * sign > 0.0, one, other))
             x, _ = first_root(poly, ORDER, h)
             sooner = (x >= 0.0) & ((x < first) | (first == NO_ROOT)) & ~(first == LOST)
@@ -129,11 +129,11 @@ def find_tops(state, tol, poly, lanes):
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         chosen = padded(lanes, begin, slots, poly)
-        x = gather(state, chosen + 1.0 * (lane.X * WIDTH))
-        share = gather(state, chosen + 1.0 * (lane.BRACKET * WIDTH))
-        breadth = gather(state, chosen + 1.0 * (lane.BREADTH * WIDTH))
+        x = gather(state, chosen, lane.X * WIDTH)
+        share = gather(state, chosen, lane.BRACKET * WIDTH)
+        breadth = gather(state, chosen, lane.BREADTH * WIDTH)
         for k in range(ORDER + 1):
-            store(poly, k * WIDTH, gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
+            store(poly, k * WIDTH, gather(state, chosen, series_of_q(k * WIDTH)))
         x, P = turning_point(poly, ORDER, share * x, (share + breadth) * x)
         store(poly, 0, x)
         store(poly, WIDTH, P)

@@ -159,11 +159,11 @@ def find_extremes(state, waiting, begin, slots, series):
     f_lo, f_hi = load(waiting, 4 * ROOM + begin), load(waiting, 5 * ROOM + begin)
     a = (ORDER + 1) * WIDTH
     for k in range(ORDER + 1):
-        store(series, k * WIDTH, gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
-        store(series, a + k * WIDTH, gather(state, chosen + 1.0 * series_of_a(k * WIDTH)))
-    shake = gather(state, chosen + 1.0 * (lane.S * WIDTH)) * gather(state, chosen + 1.0 * (lane.L_SHAKE * WIDTH))
-    weight = gather(state, chosen + 1.0 * (lane.L_WEIGHT * WIDTH))
-    up, along = gather(state, chosen + 1.0 * (lane.L_SIN * WIDTH)), gather(state, chosen + 1.0 * (lane.L_COS * WIDTH))
+        store(series, k * WIDTH, gather(state, chosen, series_of_q(k * WIDTH)))
+        store(series, a + k * WIDTH, gather(state, chosen, series_of_a(k * WIDTH)))
+    shake = gather(state, chosen, lane.S * WIDTH) * gather(state, chosen, lane.L_SHAKE * WIDTH)
+    weight = gather(state, chosen, lane.L_WEIGHT * WIDTH)
+    up, along = gather(state, chosen, lane.L_SIN * WIDTH), gather(state, chosen, lane.L_COS * WIDTH)
     levers = up, along, shake, weight
     going, z, kept = lo < hi, lo, spread(0.0)
     v, T, N = spread(0.0), spread(0.0), spread(0.0)

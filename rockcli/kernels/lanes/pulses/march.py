@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rockcli.kernels.ahead import MATRIX, VECTOR
+from rockcli.kernels.ahead import MATRIX, ROWS, VECTOR
 from rockcli.kernels.constants import FALLS, FAST, LEFT_TO_MARCH, RETURNS
 from rockcli.kernels.jit import entry, jit, jit_part
 from rockcli.kernels.lanes.pulses import state as lane
@@ -77,13 +77,11 @@ SAFE = 0.03
 """Part of the tolerance that the last two terms of a step may have: then errors are those of single bodies, whose
 series are longer, and the estimates of errors hold for both.  A tenth of it costs an eighth more steps."""
 
-LONGEST = 2.0
-"""Longest step, over 1/p."""
-
 
 class Cases(NamedTuple):
-    """Of all cases, row by row; see `sweep`."""
+    """Of all cases, row by row, and their order; see `sweep`."""
 
+    order: Any
     pars: Any
     bodies: Any
     tables: Any
@@ -122,9 +120,9 @@ class Space(NamedTuple):
     touching: Any
 
 
-@entry(MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
-def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, out):
-    """Solve every row of `pars` under the pulse of its row of `tables`.
+@entry(ROWS, MATRIX, MATRIX, Settings, MATRIX, int, bool, bool, bool, VECTOR, MATRIX)
+def sweep(order, pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, out):
+    """Solve every row of `pars` under the pulse of its row of `tables`, in an `order` that changes no answer.
 
     `two_sided`: the edges of these bodies differ.  `path`: the whole path is asked for, and with `how.detail` ALL the
     forces on it; then under a nonlinear law.  `until_fall`: but not beyond the last passage of the equilibrium of
@@ -136,7 +134,7 @@ def sweep(pars, bodies, how, tables, pieces, two_sided, path, until_fall, work, 
     """
     space = space_of(work)
     state = space.state
-    cases = Cases(pars, bodies, tables, pieces, out)
+    cases = Cases(order, pars, bodies, tables, pieces, out)
     asked = Asked(how, two_sided, len(bodies) > 0, path, path and how.detail == ALL, until_fall)
     upcoming = busy = n_postponed = n_ending = 0
     for o in range(0, lane.VECTORS * STRIDE, STRIDE):
@@ -332,11 +330,11 @@ def finish_case(state, i, cases, asked):
 def next_case(state, i, upcoming, screened, cases, asked):
     """The next case that has to be followed goes into lane i: (number of the one after it, 1 or 0 if there is none)."""
     pars, tables, pieces, how, two_sided = cases.pars, cases.tables, cases.pieces, asked.how, asked.two_sided
-    while upcoming < len(pars):
-        case, place = upcoming, upcoming % WIDTH
+    while upcoming < len(cases.order):
+        case, place = int(cases.order[upcoming]), upcoming % WIDTH
         if place == 0:
             early = how.detail == OUTCOME and not two_sided
-            screen(screened, case, pars, tables, pieces, how.linear, 100.0 * how.margin, early)
+            screen(screened, upcoming, cases, how.linear, 100.0 * how.margin, early)
         upcoming += 1
         par, table, out = pars[case], tables[case], cases.out[case]
         if screened[place + KNOWN * WIDTH] > 0.0:
@@ -380,7 +378,7 @@ def look(state, o, linear, two_sided, rolls, tol, work):
     if some(early):
         most = NEAR / select(early, load(state, o + lane.C1 * WIDTH), 1.0)
         h = select(early & (most < h), most, h)
-    most = LONGEST / load(state, o + lane.L_P * WIDTH)
+    most = load(state, o + lane.L_LONGEST * WIDTH)
     rock_h = reach_of(state, c, SAFE * tol * load(state, o + lane.L_ALPHA * WIDTH), select(h < most, h, most))
     if some(mode == lane.REST):
         rock_h = select(rocks, rock_h, h)

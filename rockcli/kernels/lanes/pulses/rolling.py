@@ -16,7 +16,7 @@ from rockcli.kernels.lanes.pulses.early_outcome import now
 from rockcli.kernels.lanes.pulses.events import padded
 from rockcli.kernels.lanes.pulses.ground import to_come
 from rockcli.kernels.lanes.pulses.path import put_levers
-from rockcli.kernels.lanes.pulses.state import ORDER, STRIDE, put, put_edge, series_of_a, series_of_q
+from rockcli.kernels.lanes.pulses.state import ORDER, STRIDE, put, put_edge, put_top, series_of_a, series_of_q
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.plain import gather, load, note, select, some, sqrt, store
 from rockcli.kernels.lanes.vector.roots import first_root
@@ -80,7 +80,7 @@ def put_end(state, i, body, end, s, path):
         top = 2.0 * end.p2 * half * half
     put_edge(state, i, end, s, star)
     put(state, i, lane.L_ALPHA, body[at.SCALE])  # by which errors and rates are told
-    put(state, i, lane.L_TOP, top)
+    put_top(state, i, top)
     put(state, i, lane.L_EXTENT, end.extent)
     put(state, i, lane.L_MASS, end.radius * end.g / end.p2)  # I/m
     if path:
@@ -99,10 +99,10 @@ def find_touches(state, poly, lanes):
     for begin in range(0, count, WIDTH):
         slots = min(WIDTH, count - begin)
         chosen = padded(lanes, begin, slots, poly)
-        x = gather(state, chosen + 1.0 * (lane.X * WIDTH))
+        x = gather(state, chosen, lane.X * WIDTH)
         for k in range(ORDER + 1):
-            store(poly, k * WIDTH, 0.0 - gather(state, chosen + 1.0 * series_of_q(k * WIDTH)))
-        store(poly, 0, gather(state, chosen + 1.0 * (lane.L_EXTENT * WIDTH)) + load(poly, 0))
+            store(poly, k * WIDTH, 0.0 - gather(state, chosen, series_of_q(k * WIDTH)))
+        store(poly, 0, gather(state, chosen, lane.L_EXTENT * WIDTH) + load(poly, 0))
         x, slope = first_root(poly, ORDER, x)
         store(poly, 0, x)
         store(poly, WIDTH, slope)
@@ -352,7 +352,7 @@ def foreseen(state, o, margin, q, v, sine, bend, plus, minus):
     returns = inside & (speed + sway * (plus + minus) < brim * doubt)
     inward = select(right, plus, minus) * sway / sqrt(mass)
     keep = doubt * select(right, load(state, o + lane.KEEP_RIGHT * WIDTH), load(state, o + lane.KEEP_LEFT * WIDTH))
-    crest = sqrt(2.0 * load(state, o + lane.L_TOP * WIDTH))
+    crest = load(state, o + lane.L_CREST * WIDTH)
     passes = (sqrt(select(own > 0.0, own, 0.0)) - inward - crest) * keep > inward
     return returns, (v > 0.0) & ((inside & passes) | (~inside & (star > 0.0) & (v * keep > inward)))
 

@@ -31,23 +31,33 @@ def flow(state, o, forced, work):
     store(work, f, force)
     store(work, g, turned)
     begin(state, o, c, moment, work)
-    for k in range(1, ORDER - 1):
+    for k in range(1, ORDER - 1, 2):  # two orders at a time: what is loaded for one serves both
+        last_f, last_g = load(work, f), load(work, g)
+        r = load(work, rate + (k + 1) * WIDTH)
         up, down, pull = spread(0.0), spread(0.0), spread(0.0)
+        next_up, next_down, next_pull = r * last_g, r * last_f, spread(0.0)
         if forced:
-            for j in range(k, 0, -1):  # what was stored last is needed last
-                r, back = load(work, rate + j * WIDTH), load(work, f + (k - j) * WIDTH)
-                up = fma(r, load(work, g + (k - j) * WIDTH), up)
-                down = fma(r, back, down)
-                pull = fma(load(state, a + j * WIDTH), back, pull)
-        else:
-            for j in range(k, 0, -1):
-                r = load(work, rate + j * WIDTH)
-                up = fma(r, load(work, g + (k - j) * WIDTH), up)
-                down = fma(r, load(work, f + (k - j) * WIDTH), down)
+            next_pull = load(state, a + (k + 1) * WIDTH) * last_f
+        for j in range(k, 1, -1):  # what was stored last is needed last
+            r, i = load(work, rate + j * WIDTH), (k + 1 - j) * WIDTH
+            next_f, next_g = load(work, f + i), load(work, g + i)
+            up, next_up = fma(r, last_g, up), fma(r, next_g, next_up)
+            down, next_down = fma(r, last_f, down), fma(r, next_f, next_down)
+            if forced:
+                shake = load(state, a + j * WIDTH)
+                pull, next_pull = fma(shake, last_f, pull), fma(shake, next_f, next_pull)
+            last_f, last_g = next_f, next_g
+        r, shake = load(work, rate + WIDTH), load(state, a + WIDTH)
+        up, down, pull = fma(r, last_g, up), fma(r, last_f, down), fma(shake, last_f, pull)
         force, turned = up * (1.0 / k), down * (-1.0 / k)
         store(work, f + k * WIDTH, force)
         store(work, g + k * WIDTH, turned)
         add(state, c, k, fma(along, force, fma(across, turned, pull)), work)
+        up, down, pull = fma(r, turned, next_up), fma(r, force, next_down), fma(shake, force, next_pull)
+        force, turned = up * (1.0 / (k + 1)), down * (-1.0 / (k + 1))
+        store(work, f + (k + 1) * WIDTH, force)
+        store(work, g + (k + 1) * WIDTH, turned)
+        add(state, c, k + 1, fma(along, force, fma(across, turned, pull)), work)
 
 
 @jit
@@ -93,18 +103,16 @@ def add(state, c, k, moment, work):
 
 
 @jit
-def rough_power(x, e):
-    """x^e of x > 0 for |e| < 1, to a few per cent: the bits of a float are nearly its logarithm."""
-    return from_bits(ONE + e * (bits_of(x) - ONE))
-
-
-@jit
 def reach_of(state, c, small, h):
-    """Step, at most h, at which the last two terms of the series at c are below `small`."""
+    """Step, at most h, at which the last two terms of the series at c are below `small`, to a per cent.
+
+    The bits of a float are nearly its logarithm.
+    """
+    small = bits_of(small)
     for k in range(ORDER - 1, ORDER + 1):
         size = abs(load(state, c + k * WIDTH))
-        size = select(size > 1e-280, size, 1e-280)
-        step = rough_power(small / size, 1.0 / k)
+        size = bits_of(select(size > 1e-280, size, 1e-280))
+        step = from_bits(ONE + (small - size) * (1.0 / k))
         h = select(step < h, step, h)
     return h
 

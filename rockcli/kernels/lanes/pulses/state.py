@@ -24,20 +24,22 @@ VECTORS = 8
 
 (
     CASE, MODE, PIECE, T, T_NEXT, H, X, Q, V, S, VERDICT, LAUNCH, N_STEPS, N_IMPACTS, UP_T,
-    L_SIDE, TOP, TOP_T, L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_ETA,
+    L_SIDE, TOP, TOP_T, L_P, L_ALPHA, L_R0, L_RS, L_RC, L_FC, L_FS, L_ALONG, L_ACROSS, L_GUARD, L_STAR, L_TOP, L_CREST,
+    L_LONGEST, L_ETA,
     L_PULL, L_EXTENT, L_MASS, L_SIN, L_COS, L_SHAKE, L_WEIGHT, L_GRIP, L_END, L_STOP, L_GIVEN,
     L_BOUND, KIND, ORIGIN, C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, EVENT, NEW_Q, NEW_V, REACH, BRACKET, BREADTH, SINE,
     COSINE, BELL_E, TOP_SIDE, FACET, OUTSIDE_LEFT, OUTSIDE_RIGHT, TILT, FLOOR, BRIM, SWAY, KEEP_LEFT, KEEP_RIGHT,
     RESTS_ON, PEAK_LEFT, PEAK_RIGHT, PEAK_LEFT_T, PEAK_RIGHT_T,
     RATE_MAX, MU_MOST, WORK, LOST, SWUNG, SWUNG_T, MU_UP, ONTO_LEFT, ONTO_RIGHT, PUSHED, N_UP, N_LEAST, OVER_T,
     OTHER,
-) = range(93)  # fmt: skip
+) = range(95)  # fmt: skip
 """CASE row of the case, -1 idle.  T, T_NEXT now and the next breakpoint; H the step, X how far it goes.  UP_T uplift.
 L_*: constants of the case, p^2 and 1/g multiplied in; L_ALONG, L_ACROSS: the restoring
-moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium;
-L_PULL p^2 max|f|/g; L_BOUND of |a_g|; L_GIVEN whether the report ends at a given time.  KIND, ORIGIN, C*: the piece of
-the motion (scene/ground/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it,
-BRACKET where the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
+moment as r0 + along f + across df/dq, f = fc cos q + fs sin q; L_GUARD uplift |a_g|; L_TOP energy of the equilibrium,
+L_CREST the rate sqrt(2 L_TOP) at q = 0 that just reaches it; L_LONGEST the longest step; L_PULL p^2 max|f|/g; L_BOUND
+of |a_g|; L_GIVEN whether the report ends at a given time.  KIND, ORIGIN, C*: the piece of the motion
+(scene/ground/excitation.py).  EVENT, NEW_*: what the step under way comes to; REACH bound of |q| on it, BRACKET where
+the part of it with a turning point begins, and BREADTH how long that is, as shares of X.
 SINE, COSINE of q (q, 1 if linear), BELL_E exp(-y^2/2): now.
 What goes with an edge, L_SIDE to L_GRIP, is that of the edge the body turns about; of a body with two different edges
 that of the other one, in the same order, stands from OTHER on, and the two change places as the body turns over.
@@ -55,6 +57,9 @@ FIELDS = OTHER + OF_EDGE
 
 ORDER = 18
 """Of the series: about where a case costs least."""
+
+LONGEST = 2.0
+"""Longest step, over 1/p."""
 
 STRIDE = (FIELDS + 2 * ORDER + 6) * WIDTH
 """Numbers of a vector with its series."""
@@ -124,11 +129,11 @@ def enter(state, i, case, par, table, pieces, linear, two_sided, energy, t_uplif
         s = side
     first, second = (at.RIGHT, at.LEFT) if s > 0.0 else (at.LEFT, at.RIGHT)
     put_edge(state, i, edge_of(par, first), s, par[first + at.Q_STAR])
-    put(state, i, L_TOP, energy)
+    put_top(state, i, energy)
     if two_sided:
         put_edge(state, i + TO_OTHER, edge_of(par, second), -s, par[second + at.Q_STAR])
-        put(state, i, L_TOP, equilibrium(par, first, linear))
-        put(state, i + TO_OTHER, L_TOP, equilibrium(par, second, linear))
+        put_top(state, i, equilibrium(par, first, linear))
+        put_top(state, i + TO_OTHER, equilibrium(par, second, linear))
     put(state, i, CASE, case)
     put(state, i, T, 0.0)
     put(state, i, T_NEXT, 0.0)
@@ -188,7 +193,9 @@ def put_edge(state, i, edge, s, star):
     put(state, i, L_SIDE, s)
     put(state, i, TOP, 0.0)
     put(state, i, TOP_T, math.nan)
-    put(state, i, L_P, math.sqrt(p2))
+    p = math.sqrt(p2)
+    put(state, i, L_P, p)
+    put(state, i, L_LONGEST, LONGEST / p)
     put(state, i, L_ALPHA, edge.alpha)
     put(state, i, L_R0, r0)
     put(state, i, L_RS, rs)
@@ -201,6 +208,13 @@ def put_edge(state, i, edge, s, star):
     put(state, i, L_STAR, star)
     put(state, i, L_ETA, edge.eta)
     put(state, i, L_PULL, math.sqrt(force))
+
+
+@jit
+def put_top(state, i, energy):
+    """The energy of the equilibrium of the edge of lane i."""
+    put(state, i, L_TOP, energy)
+    put(state, i, L_CREST, math.sqrt(max(2.0 * energy, 0.0)))
 
 
 @jit

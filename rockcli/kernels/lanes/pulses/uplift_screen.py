@@ -14,7 +14,7 @@ from rockcli.kernels.lanes.pulses.ground import rest_of_bell
 from rockcli.kernels.lanes.pulses.series import ONE
 from rockcli.kernels.lanes.vector import WIDTH
 from rockcli.kernels.lanes.vector.elementary import exp_of_negative, sin_cos
-from rockcli.kernels.lanes.vector.plain import bits_of, load, select, some, spread, sqrt, store
+from rockcli.kernels.lanes.vector.plain import bits_of, fetch, load, select, some, spread, sqrt, store
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.law import potential
@@ -31,20 +31,34 @@ energy of the equilibrium; whether the answer is KNOWN."""
 STEEPEST = 9.5
 """|y| up to which exp(-y^2/2) of a bell is computed; the shapes stop at 8.9."""
 
+LINE = 8
+"""Numbers in a line of memory."""
+
 TO_LOGARITHM = math.log(2.0) / 2.0**52
 
 
 @jit
-def screen(screened, first, pars, tables, pieces, linear, doubt, early):
-    """Screen cases `first` to `first` + WIDTH - 1.
+def screen(screened, first, cases, linear, doubt, early):
+    """Screen the cases that come `first` to `first` + WIDTH - 1.
 
     `early`: a body that the motion cannot overturn is not followed; `doubt`: with this margin on its rate.
     """
+    last = len(cases.order) - 1
     for j in range(WIDTH):
-        case = min(first + j, len(pars) - 1)
-        _put_in(screened, j, pars[case], tables[case], pieces)
+        case, later = cases.order[min(first + j, last)], cases.order[min(first + j + WIDTH, last)]
+        _fetch(cases.pars[later])
+        _fetch(cases.tables[later])
+        _fetch(cases.out[later])
+        _put_in(screened, j, cases.pars[case], cases.tables[case], cases.pieces)
     _first_uplift(screened)
     _surely_returns(screened, linear, doubt, early)
+
+
+@jit
+def _fetch(row):
+    """Have a row brought near."""
+    for i in range(0, len(row), LINE):
+        fetch(row, i)
 
 
 @jit

@@ -229,19 +229,36 @@ def from_bits(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
-def gather(typingctx: Any, array: Any, index: Any) -> Any:
-    """The elements of a contiguous array that a vector of whole numbers names."""
+def gather(typingctx: Any, array: Any, index: Any, offset: Any) -> Any:
+    """The elements of a contiguous array so far behind those that a vector of whole numbers names."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
         value = ir.Constant(DOUBLES, ir.Undefined)
         for lane in range(WIDTH):
             place = ir.Constant(ir.IntType(32), lane)
-            at = builder.fptosi(builder.extract_element(args[1], place), ir.IntType(64))
+            at = builder.fptosi(builder.extract_element(args[1], place), ir.IntType(64))  # of several gathers once
+            at = builder.add(at, args[2])
             value = builder.insert_element(value, builder.load(builder.gep(data, [at], inbounds=True)), place)
         return value
 
-    return vector(array, vector), codegen
+    return vector(array, vector, types.intp), codegen
+
+
+@intrinsic
+def fetch(typingctx: Any, array: Any, i: Any) -> Any:
+    """Have the memory of element i of a contiguous array brought near before it is used."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        place = builder.bitcast(builder.gep(data, [args[1]], inbounds=True), ir.IntType(8).as_pointer())
+        word = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [place.type, word, word, word])
+        near = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(near, [place, *(ir.Constant(word, x) for x in (0, 3, 1))])
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp), codegen
 
 
 @intrinsic

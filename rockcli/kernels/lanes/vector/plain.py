@@ -79,9 +79,13 @@ def _fused() -> Any:
     return np.frompyfunc(system, 3, 1)
 
 
-def gather(array: Any, index: Any) -> Any:
-    """The elements of a contiguous array that a vector of whole numbers names."""
-    return array[index.astype(np.int64)]
+def gather(array: Any, index: Any, offset: int) -> Any:
+    """The elements of a contiguous array so far behind those that a vector of whole numbers names."""
+    return array[index.astype(np.int64) + offset]
+
+
+def fetch(array: Any, i: int) -> None:
+    """Have the memory of element i of a contiguous array brought near before it is used."""
 
 
 def note(where: Any, first: float, array: Any, n: int) -> int:
@@ -94,5 +98,7 @@ def note(where: Any, first: float, array: Any, n: int) -> int:
 if door.compiling():
     from rockcli.kernels.lanes.vector import compiled
 
-    for _name in ("load", "store", "spread", "select", "some", "sqrt", "bits_of", "from_bits", "fma", "gather", "note"):
+    for _name in (
+        "load", "store", "spread", "select", "some", "sqrt", "bits_of", "from_bits", "fma", "gather", "fetch", "note",
+    ):  # fmt: skip
         globals()[_name] = getattr(compiled, _name)
