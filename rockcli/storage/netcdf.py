@@ -23,6 +23,9 @@ from rockcli.storage.places import reason, unnameable
 _COMPRESSED_FROM = 4096
 """Values from which a variable is compressed (lossless)."""
 
+_PIECE = 1 << 17
+"""Values that are compressed together, at most: as many as stay in a fast memory."""
+
 _SUMMED_BESIDE = 1 << 24
 """Size from which the checksum has a thread of its own, some 10 ms of work [bytes]."""
 
@@ -84,13 +87,15 @@ def _why(scratch: Path, error: RuntimeError | OSError) -> str:
 
 def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
     is_float = item.values.dtype.kind == "f"
+    compressed = item.values.size >= _COMPRESSED_FROM and not item.is_text
     variable = file.createVariable(
         name,
         str if item.is_text else item.values.dtype,
         item.dims,
         fill_value=np.nan if is_float and not item.coordinate else False if not item.is_text else None,
-        compression="zlib" if item.values.size >= _COMPRESSED_FROM and not item.is_text else None,
+        compression="zlib" if compressed else None,
         complevel=1,
+        chunksizes=_piece_of(item.values.shape) if compressed else None,
     )
     for key, value in item.attrs.items():
         variable.setncattr(key, value)
@@ -103,6 +108,16 @@ def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
     for at in blocks(item.values.shape, _pitch(variable)):  # the library works on a copy
         variable[at or ...] = taken(item.values, at)
         let_go(item.values)
+
+
+def _piece_of(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The part of a variable that is compressed as one: whole rows, so that it is one piece in memory too."""
+    piece: list[int] = []
+    left = _PIECE
+    for n in reversed(shape):
+        piece.append(min(n, left))
+        left = max(left // n, 1)
+    return tuple(reversed(piece))
 
 
 def _pitch(variable: Any) -> tuple[int, ...]:
