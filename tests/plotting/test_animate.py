@@ -17,7 +17,7 @@ from rockcli.cli.main import app
 from rockcli.engine.animate import animate
 from rockcli.errors import StudyError
 from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline
-from rockcli.plotting.kinds.animate import LONGEST, scenes
+from rockcli.plotting.kinds.animate import LONGEST, _Stage, scenes
 
 BODY = Body(0.3, 0.5, 4.0)
 
@@ -111,6 +111,17 @@ def test_a_gif_has_its_pictures_and_its_speed(file: Path, tmp_path: Path):
     assert (np.abs(first - other).max(axis=2) > 60).sum() > 300
     assert out.stat().st_size < 1_000_000
     assert list(tmp_path.glob(".*")) == []
+
+
+def test_the_ground_is_shown_whole_where_a_body_overturns():
+    """Rotations beyond the fall are cut off, the acceleration that made it is not."""
+    pulse = {"shape": "sine", "a_p": 5 * 9.81, "T_p": 0.5}
+    case = {"block": {"R": 1.0, "tan_alpha": 0.6}, "motion": {"pulse": pulse}}
+    dataset = rockcli.run({"name": "fall", "case": case, "save": {"histories": True}})
+    stage = _Stage(dataset, (), scenes(dataset, (), step=0.04), "")
+    _, ground, rotation = stage.figure.axes
+    assert ground.get_ylim() == pytest.approx((-6.0, 6.0), rel=1e-3)
+    assert rotation.get_ylim()[0] > -1.5
 
 
 def test_speed_stretches_the_animation(file: Path, tmp_path: Path):

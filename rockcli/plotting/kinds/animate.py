@@ -147,7 +147,8 @@ class _Stage:
         if moving:
             self._trace(panels[1], motion.time, motion.a_g / unit_g(dataset), "$a_g$ [g]", "#333333")
             panels[1].tick_params(labelbottom=False)
-        self._trace(panels[-1], motion.time, ratio, r"$\theta/\alpha$", COLOURS[0])
+        most = SHOWN_UP_TO if fell else np.inf
+        self._trace(panels[-1], motion.time, ratio, r"$\theta/\alpha$", COLOURS[0], most)
         panels[-1].set_xlabel("time [s]")
         self.figure.align_ylabels(panels[1:])
         headline(self.figure, title_of(dataset), label)
@@ -190,15 +191,14 @@ class _Stage:
         self.body.set_animated(True)
         self.stamp.set_animated(True)
 
-    def _trace(self, axes: Axes, time: Array, values: Array, label: str, colour: str) -> None:
-        """A history over the animation's time, and the marker that will move along it."""
+    def _trace(self, axes: Axes, time: Array, values: Array, label: str, colour: str, most: float = np.inf) -> None:
+        """A history over the animation's time, cut off beyond `most`, and the marker that will move along it."""
         axes.plot(time, values, color=colour, linewidth=0.7)
         axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
         axes.set_xlim(self.times[0], self.times[-1])
         axes.set_ylabel(label)
         seen = values[(time >= self.times[0]) & (time <= self.times[-1])]
-        if np.isfinite(self.fall):
-            seen = np.clip(seen, -SHOWN_UP_TO, SHOWN_UP_TO)
+        seen = np.clip(seen, -most, most)
         low, high = min(0.0, float(seen.min(initial=0.0))), max(0.0, float(seen.max(initial=0.0)))
         margin = 0.1 * (high - low) or 0.1
         axes.set_ylim(low - margin, high + margin)
