@@ -230,6 +230,23 @@ def test_states_of_one_curve_share_its_entry_in_the_legend(stripes):
     assert sum(" and overturned: median" in str(label) for label in axes.get_legend_handles_labels()[1]) == 1
 
 
+@pytest.mark.parametrize(
+    ("limits", "words", "drawn"),
+    [
+        ([1.0], "bands: 95 % limits", 1),
+        ([0.5, 1.0], "bands: 95 % limits", 2),
+        ([0.3, 0.5, 1.0], "bars: 95 % limits", 3),
+    ],
+)
+def test_the_note_names_the_limits_that_are_drawn(limits, words, drawn):
+    """Overturning has the curve of 1 alpha here, and no band or bar of its own."""
+    figure = figures.figure("fragility", rockcli.run(suite(over={"axis": "motion.pulse.omega_p", "limits": limits})))
+    kinds = {type(each).__name__ for each in figure.axes[0].collections}
+    assert len(figure.axes[0].collections) == drawn
+    assert kinds == {"LineCollection" if "bars" in words else "FillBetweenPolyCollection"}
+    assert words in figure.get_label()
+
+
 def test_a_hazard_curve_is_called_so_once():
     assert [hazard_words(label) for label in ("moderate", "hazard", "Hazard site B")] == [
         "hazard moderate",

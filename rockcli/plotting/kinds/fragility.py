@@ -73,7 +73,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     x = _intensity(dataset, suite)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        _panel(axes, dataset.isel(case.place), suite, numbers=single)
+        banded = _panel(axes, dataset.isel(case.place), suite, numbers=single)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
@@ -92,7 +92,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     beyond = (last / low) ** _BEYOND if log else 1.0 + _BEYOND
     first.set_xlim(low, last * beyond)
     legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
-    limits = "bands" if dataset.sizes["limit_state"] <= _BANDS else "bars"
+    limits = "bands" if banded else "bars"
     points = "points: shares; " if _stripes(dataset, suite) is not None else ""
     words = f"{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
@@ -172,7 +172,8 @@ def _state(label: str, *, alone: bool = True) -> str:
     return f"{words} or {OVERTURNED}" if quantity and alone else words
 
 
-def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> None:
+def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> bool:
+    """Shares and curves of a body; whether the limits of the curves are bands, not bars."""
     from scipy.special import ndtr  # late: other figures need none of it
 
     positive = _intensity(part, suite)
@@ -224,6 +225,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
                 axes.hlines(0.5 + _STEP * (len(drawn) - 1.5), ends[0], ends[1], color=colour, linewidth=2.0, zorder=4)
             drawn.append(i)
             axes.plot(x, ndtr(z), color=colour, linestyle=LINES[i % len(LINES)], zorder=3, label=words)
+    return banded
 
 
 def _same_curve(part: xarray.Dataset) -> list[list[int]]:
