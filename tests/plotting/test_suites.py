@@ -230,6 +230,20 @@ def test_states_of_one_curve_share_its_entry_in_the_legend(stripes):
     assert sum(" and overturned: median" in str(label) for label in axes.get_legend_handles_labels()[1]) == 1
 
 
+def test_the_legend_of_several_bodies_has_curves_that_the_first_lacks():
+    """A stout body that no motion overturns, before one of which every state has a curve."""
+    bodies = {"block": {"stout": {"R": 2.0, "tan_alpha": 1.9}, "slender": {"R": 2.0, "tan_alpha": 0.2}}}
+    figure = figures.figure("fragility", rockcli.run(suite(vary=suite()["vary"] | bodies)))
+    stout, slender = figure.axes
+    assert [line for line in stout.lines if len(line.get_xdata()) == 401] == []
+    drawn = {line.get_label(): line for line in slender.lines if len(line.get_xdata()) == 401}
+    legend = figure.legends[0]
+    shown = dict(zip([text.get_text() for text in legend.get_texts()], legend.get_lines(), strict=True))
+    assert len(drawn) == 4
+    for label, line in drawn.items():
+        assert (shown[label].get_color(), shown[label]._dash_pattern) == (line.get_color(), line._dash_pattern)
+
+
 @pytest.mark.parametrize(
     ("limits", "words", "drawn"),
     [

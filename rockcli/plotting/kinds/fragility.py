@@ -30,6 +30,7 @@ from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -91,7 +92,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     low, last = max(float(x.min()), 0.7 * begin) if log else 0.0, float(x.max())
     beyond = (last / low) ** _BEYOND if log else 1.0 + _BEYOND
     first.set_xlim(low, last * beyond)
-    legend_below(figure, first.get_legend_handles_labels()[0], 1 if single else 3)
+    legend_below(figure, _entries(list(grid.flat)), 1 if single else 3)
     limits = "bands" if banded else "bars"
     points = "points: shares; " if _stripes(dataset, suite) is not None else ""
     words = f"{points}{limits}: 95 % limits"
@@ -101,6 +102,16 @@ def draw(dataset: xarray.Dataset) -> Figure:
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
+
+
+def _entries(grid: list[Axes]) -> list[Artist]:
+    """What the legend of some panels shows: of a state without a curve in the first of them that of another."""
+    found: dict[str, Any] = {}
+    for axes in grid:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            if label not in found or found[label].get_linestyle() == "None":
+                found[label] = handle
+    return list(found.values())
 
 
 def second_words(dataset: xarray.Dataset) -> str:
@@ -184,7 +195,7 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     stripes = _stripes(part, suite)
     if begin > 0.0:
         axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=first_motion(part))
-    # several panels have one legend, that of the first
+    # several panels have one legend
     same = _same_curve(part) if numbers else [[i] for i in range(part.sizes["limit_state"])]
     banded = sum(bool(each) for each in same) <= _BANDS
     drawn: list[int] = []
