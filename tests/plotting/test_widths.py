@@ -108,6 +108,18 @@ def test_words_of_several_bodies_stay_off_one_another(n, width):
     check_words(figure)
 
 
+@pytest.mark.parametrize(("width", "b"), [(90, [0.2, 0.26]), (90, [0.6, 0.72]), (120, 0.6)])
+def test_words_of_bodies_with_long_names_stay_on_the_page_of_a_file(width, b, tmp_path):
+    """Files are laid out without a drawing before them."""
+    said = "shelf of the archive with the files of 1950 to 1990"
+    names = {f"{k}, {said[: 20 + 13 * k]}": {"h": 1.0 + 0.1 * k, "b": b} for k in range(2)}
+    case = {"block": {"h": 1.0, "b": 0.2}, "initial": {"theta": 0.01}}
+    data = rockcli.run({"name": "long", "case": case, "vary": {"block": names}, "save": {"histories": False}})
+    figure = rockcli.plot(data, "body", tmp_path / "body.png", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+
+
 @pytest.mark.parametrize("width", [None, 60, 90, 120, 150])
 def test_words_beside_a_slender_body_stay_on_the_page(width):
     outline = [[0, 0], [0.41, 0.012], [0.53, 0.74], [0.4, 1.75], [0, 1.8], [-0.24, 0.8]]

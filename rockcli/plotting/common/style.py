@@ -117,6 +117,9 @@ _NARROW = 1.65
 SHORTEST = 1.6
 """Height below which a panel of curves is no longer read [in]."""
 
+_TURNS = 3
+"""Layouts after which words stand beside panels that are no wider or higher than what they show at their scale."""
+
 PAIR = 4.2
 """Width from which two panels of different content have room beside one another [in]."""
 
@@ -144,8 +147,10 @@ def width_or(natural: float) -> float:
 def lay_out(figure: Figure) -> None:
     """Find where the panels of a figure go; a drawing without pixels does so too, and more that nobody needs."""
     engine = figure.get_layout_engine()
-    if engine is not None:
-        engine.execute(figure)
+    scaled = any(axes.get_aspect() != "auto" for axes in figure.axes)
+    for _ in range(_TURNS if scaled else 1):
+        if engine is not None:
+            engine.execute(figure)
 
 
 def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
