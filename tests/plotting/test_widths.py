@@ -120,6 +120,19 @@ def test_words_of_bodies_with_long_names_stay_on_the_page_of_a_file(width, b, tm
     check_words(figure)
 
 
+@pytest.mark.parametrize("width", [90, 180])
+def test_long_names_in_a_legend_stay_on_the_page(width):
+    said = "shelf of the archive with the files of 1950 to 1990, unloaded and not tied to the wall of the basement"
+    names = {f"{said}, {word}": {"width": b} for word, b in (("as it stands", 0.5), ("on a plate", 0.6))}
+    case = {"block": {"height": 2.0, "width": 0.5}, "initial": {"theta": 0.1}}
+    data = rockcli.run({"name": "long", "case": case, "vary": {"block": names}, "save": {"histories": True}})
+    figure = rockcli.plot(data, "histories", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+    shown = [text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()]
+    assert shown == list(names)
+
+
 @pytest.mark.parametrize("width", [None, 60, 90, 120, 150])
 def test_words_beside_a_slender_body_stay_on_the_page(width):
     outline = [[0, 0], [0.41, 0.012], [0.53, 0.74], [0.4, 1.75], [0, 1.8], [-0.24, 0.8]]

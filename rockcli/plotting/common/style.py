@@ -120,6 +120,9 @@ SHORTEST = 1.6
 _TURNS = 3
 """Layouts after which words stand beside panels that are no wider or higher than what they show at their scale."""
 
+_FEWEST = 12
+"""Letters of a line that is broken no further."""
+
 PAIR = 4.2
 """Width from which two panels of different content have room beside one another [in]."""
 
@@ -230,25 +233,43 @@ def wrapped(words: str, columns: int) -> list[str]:
 
 def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> None:
     """Title of a panel, wrapped to its width [in]."""
-    columns = max(int(width * 135.0 / fontsize), 12)
-    visible = re.sub(r"\\(?:mathrm|[a-z]+)|[${}]", "", words)  # what mathematics is written with takes no room
-    axes.set_title("\n".join(wrapped(words, columns + len(words) - len(visible))), fontsize=fontsize)
+    axes.set_title(_in_lines(words, max(int(width * 135.0 / fontsize), _FEWEST)), fontsize=fontsize)
+
+
+def _in_lines(words: str, columns: int) -> str:
+    """Words in lines of at most so many letters that are seen."""
+    unseen = len(words) - len(_seen(words))
+    return "\n".join(wrapped(words, columns + unseen))
+
+
+def _seen(words: str) -> str:
+    """Words without what mathematics is written with, which takes no room."""
+    return re.sub(r"\\(?:mathrm|[a-z]+)|[${}]", "", words)
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
-    """One legend below the figure, in as many columns as there is room for, at most `most`, their rows filled alike."""
+    """One legend below the figure, in as many columns as there is room for, at most `most`, their rows filled alike.
+
+    Words that one column has no room for take several lines.
+    """
     if not handles:
         return None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     rows = -(-len(handles) // most)
+    words = [str(handle.get_label()) for handle in handles]
+    letters = max(len(_seen(each)) for each in words)
     while True:
         columns = -(-len(handles) // rows)
         how: dict[str, Any] = {"columnspacing": 1.4, **style, "ncols": columns}
-        legend = figure.legend(handles=list(handles), loc="outside lower center", **how)
-        if columns == 1 or legend.get_window_extent(renderer).width <= 0.98 * figure.bbox.width:
+        labels = [_in_lines(each, letters) for each in words]
+        legend = figure.legend(list(handles), labels, loc="outside lower center", **how)
+        if letters <= _FEWEST or legend.get_window_extent(renderer).width <= 0.98 * figure.bbox.width:
             return legend
         legend.remove()
-        rows += 1
+        if columns > 1:
+            rows += 1
+        else:
+            letters = int(0.95 * letters)
 
 
 def legend_of(figure: Figure, axes: Axes, most: int = 4) -> None:
