@@ -9,7 +9,8 @@ import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.style import COLOURS, MOST_CURVES, RC, SINGLE, headline, new_figure, save
+from rockcli.plotting.common.labels import escape
+from rockcli.plotting.common.style import COLOURS, MOST_CURVES, RC, SINGLE, headline, legend_below, new_figure, save
 
 
 def draw(
@@ -27,18 +28,24 @@ def draw(
         figure = new_figure(SINGLE * 1.3, SINGLE * 1.1)
         axes = figure.subplots()
         many = len(spectra) > MOST_CURVES
+        shown = []
         for i, (name, values) in enumerate(spectra):
-            style = {"color": "0.7", "linewidth": 0.6} if many else {"color": COLOURS[i % len(COLOURS)], "label": name}
-            axes.plot(periods, values, **style)
+            style = {"color": "0.7", "linewidth": 0.6} if many else {"color": COLOURS[i], "label": _label(name)}
+            shown += axes.plot(periods, values, **style)
         if many:
             with np.errstate(divide="ignore"):  # of a record that is zero throughout
                 median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
-            axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
+            shown = axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_xlim(periods[0], periods[-1])
         axes.set_xlabel("period [s]")
         axes.set_ylabel(r"$S_a$(5 %) [g]")
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2 if len(spectra) > 1 else 1)
+        legend_below(figure, shown, 2)
         headline(figure, title)
         save(figure, path, path.suffix.lower().lstrip("."))
+
+
+def _label(name: str) -> str:
+    """A name in a legend, which leaves out what begins with an underscore and reads dollars as mathematics."""
+    return escape(f" {name}" if name.startswith("_") else name)

@@ -19,6 +19,7 @@ from plotting.test_gallery import gallery
 from plotting.test_work_precision import traded
 
 import rockcli
+from rockcli.plotting import record_spectra
 from rockcli.plotting.common.style import wrapped
 
 MADE = {
@@ -131,6 +132,21 @@ def test_long_names_in_a_legend_stay_on_the_page(width):
     check_words(figure)
     shown = [text.get_text().replace("\n", " ") for text in figure.legends[0].get_texts()]
     assert shown == list(names)
+
+
+def test_names_of_files_in_spectra_are_shown_as_they_are(tmp_path, monkeypatch):
+    """Long ones stay on the page; a dollar is no mathematics, and an underscore in front leaves nothing out."""
+    names = ["RSN811_LOMAP_a_name_as_long_as_those_of_a_database_of_records_1.AT2 H1", "1$ and 2$.txt", "_kept.AT2"]
+    drawn: list[Figure] = []
+    monkeypatch.setattr(record_spectra, "save", lambda figure, *_: drawn.append(figure))
+    periods = np.geomspace(0.1, 1.0, 5)
+    record_spectra.draw(tmp_path / "x.png", periods, [(name, periods) for name in names], "Spectra")
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    check_words(figure)
+    shown = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [words.strip().replace("\n", "").replace("\\$", "$") for words in shown] == names
+    assert shown[1].count("\\$") == 2
 
 
 @pytest.mark.parametrize("width", [None, 60, 90, 120, 150])
