@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -209,6 +211,31 @@ def test_bodies_lift_by_the_gravity_of_their_own_case() -> None:
     figure = rockcli.plot(rockcli.run({"case": case, "vary": {"g": [1.62]}}), "histories")
     marks = [text.xy[1] for axes in figure.axes for text in axes.texts if "tan" in text.get_text()]
     assert marks == pytest.approx([0.2 * 1.62 / 9.81])
+
+
+def test_bodies_of_settings_and_datasets_lift_by_their_own_gravity(tmp_path: Path) -> None:
+    """On the moon a block lifts at 0.324 m/s², on the earth at 1.962: no line where a dataset does not tell which."""
+    pulse = {"shape": "sine", "a_p": 1.9, "T_p": 1.0}
+    case: dict[str, Any] = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    over = {"motion.pulse.a_p": {"from": 0.1, "to": 2.6, "n": 6}, "motion.pulse.T_p": {"from": 0.5, "to": 1.3, "n": 5}}
+    settings = {"case": {"earth": {"g": 9.81}, "moon": {"g": 1.62}}}
+    data = rockcli.run({"case": case, "vary": settings | over, "save": {"histories": False}})
+    figure = rockcli.plot(data, "map")
+    assert len(figure.axes) == 3
+    assert not [line for axes in figure.axes for line in axes.lines if line.get_gid() == "uplift"]
+    assert "lifts from" not in {fact.what for fact in facts_of(data)}
+    suite = rockcli.run({"case": case, "vary": settings | over, "over": "T_p", "save": {"histories": False}})
+    figure = rockcli.plot(suite, "ida")
+    assert not any("uplift" in text.get_text() for text in figure.legends[0].get_texts())
+    (tmp_path / "table.csv").write_text("name,g\nearth,9.81\nmoon,1.62\n")
+    (tmp_path / "study.yaml").write_text(json.dumps({"name": "t", "case": case, "vary": {"case": "table.csv"} | over}))
+    table = rockcli.run(tmp_path / "study.yaml")
+    levels = [line.get_ydata()[0] for axes in rockcli.plot(table, "map").axes for line in axes.lines if line.get_gid()]
+    assert levels == pytest.approx([0.2, 0.2 * 1.62 / 9.81])
+    places = [rockcli.run({"name": f"g{g:.0f}", "case": case | {"g": g}}) for g in (9.81, 1.62)]
+    for shown, expected in ((places, []), (places[:1], [0.2]), (places[1:], [0.2])):
+        drawn = rockcli.plot(shown, "histories")
+        assert [t.xy[1] for a in drawn.axes for t in a.texts if "tan" in t.get_text()] == pytest.approx(expected)
 
 
 VERTICAL = {"pulse": {"shape": "sine", "a_p": 0.5 * 9.81, "T_p": 0.3}}

@@ -50,6 +50,9 @@ _PERIOD = re.compile(r"([0-9.]+)(?:\*s)?")
 _VERTICAL = re.compile(r"\bvertical\b[\w.\"']*[ \t]*:")
 """The key of vertical motion, or a path below it, as studies write them."""
 
+_VARIES_G = re.compile(r"^vary:.*[\s{,\"']g[\"']?[ \t]*:", re.MULTILINE | re.DOTALL)
+"""The key g among the axes and their settings, as studies write it."""
+
 _POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
 
 _ENDING = re.compile(r"\.(at2|csv|txt|dat|acc|smc|v1a?|v2a?|mseed|asc|th)$", re.I)
@@ -181,16 +184,25 @@ def unit_g(dataset: xarray.Dataset) -> float:
 def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
     """g tan(alpha) of the weaker edge, of linearized blocks g alpha, from which rigid bodies lift [m/s²].
 
-    Over the axes that change it.
+    Over the axes that change it; NaN where settings may choose g.
     """
-    axes = [axis for axis in str(dataset.attrs.get("axes", "")).split() if path_of(dataset, axis) == "g"]
-    g = dataset[axes[0]] if axes else unit_g(dataset)
-    alpha, models = dataset["alpha"], _models(dataset)
+    g, alpha, models = _gravity(dataset), dataset["alpha"], _models(dataset)
     tangent = alpha.copy(data=np.tan(alpha.values))
-    if isinstance(models, str) and not axes:
+    if isinstance(models, str) and isinstance(g, float):
         return alpha.copy(data=(alpha if models == "linearized" else tangent).values * g)
     level: xarray.DataArray = (tangent + (models == "linearized") * (alpha - tangent)) * g
     return level
+
+
+def _gravity(dataset: xarray.Dataset) -> Any:
+    """g of the cases [m/s²]: over an axis or a table of it, over several datasets, or one number."""
+    varied = next((str(name) for name in dataset.coords if path_of(dataset, str(name)) == "g"), "")
+    if varied:
+        return dataset[varied]
+    if _VARIES_G.search(str(dataset.attrs.get("study", ""))):
+        return np.nan
+    own = [g_of(case, ()) for case in resolved_cases(dataset)]
+    return own[0] if len({*own}) == 1 else dataset[DATASET].copy(data=np.array(own))
 
 
 def units_of(dataset: xarray.Dataset) -> Units:

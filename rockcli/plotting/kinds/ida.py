@@ -175,9 +175,12 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
 def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
     peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
-    if not peak_of_ground or "alpha" not in part.variables or has_floors(part) or lifts_from(part).ndim:
+    if not peak_of_ground or "alpha" not in part.variables or has_floors(part):
         return False
-    axes.axhline(float(lifts_from(part)) / shown_unit(part, along)[0], zorder=0, **LIFTS)
+    lifts = lifts_from(part)
+    if lifts.ndim or np.isnan(float(lifts)):
+        return False
+    axes.axhline(float(lifts) / shown_unit(part, along)[0], zorder=0, **LIFTS)
     return True
 
 
