@@ -70,6 +70,17 @@ def test_the_lines_are_the_closed_forms_over_g_tan_alpha() -> None:
         assert off < 2e-3
 
 
+def test_maps_of_several_datasets_have_the_lines_of_each() -> None:
+    half, floor = pulse(shape="half_sine"), CASE["motion"] | {"through": [{"T": 0.4, "zeta": 0.05}]}
+    maps = [mapped(), mapped(half), mapped({"block": {"R": 1, "alpha": 0.6}}), mapped({"motion": floor})]
+    panels = rockcli.plot(maps, "map").axes
+    for axes, one, expected in zip(panels, maps, [(1, 1), (1, 0), (1, 1), (0, 0)], strict=False):
+        (alone, *_) = figures.figure("map", one).axes
+        assert drawn(axes) == drawn(alone) == expected
+        for line, own in zip(lines(axes), lines(alone), strict=True):
+            np.testing.assert_array_equal(line.get_xydata(), own.get_xydata())
+
+
 def test_the_line_of_uplift_crosses_the_whole_map() -> None:
     axes = figures.figure("map", mapped()).axes[0]
     (line,) = (line for line in axes.lines if line.get_gid() == outcomes.UPLIFT)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from rockcli.plotting.common.case_settings import case_settings
+from rockcli.plotting.common.case_settings import DATASET, case_settings
 from rockcli.plotting.common.cases import axes_of
 from rockcli.plotting.common.labels import path_of
 from rockcli.scene.body.lower_outline import lower_hull
@@ -98,7 +98,7 @@ def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
         return ""
     settings = case_settings(dataset)
     for axis, where in path.items():
-        if axis not in found:
+        if axis not in found and axis != DATASET:  # the settings are those of its own case
             settings[where] = str(dataset[axis].values)
     if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables or rolls(dataset):
         return ""
