@@ -303,6 +303,19 @@ def test_the_headline_has_the_largest_slide() -> None:
     assert "largest slide" not in {fact.what for fact in facts_of(many.isel({many.slide_peak.dims[0]: [0]}))}
 
 
+def test_motions_to_both_sides_overturn_from_the_weakest() -> None:
+    """Amplitudes with a sign: a body falls to its narrow side under less than to the other."""
+    pulse = {"shape": "half_sine", "a_p": 4.0, "T_p": 1.0}
+    case = {"block": {"h": 1.0, "b": [0.2, 0.3]}, "motion": {"pulse": pulse}}
+    over = {"motion.pulse.a_p": [-6.0, -4.0, -2.0, 1.0, 3.0, 4.0, 6.0]}
+    data = rockcli.run({"case": case, "vary": over, "save": {"histories": False}})
+    for part in (data, data.isel(motion_pulse_a_p=data.motion_pulse_a_p < 0.0)):
+        fell = part.motion_pulse_a_p.values[part.outcome.isin([2, 3]).values]
+        said = {fact.what: fact.value for fact in facts_of(part)}["overturns from"]
+        assert said == f"{fell[np.argmin(np.abs(fell))] / 9.81:.3g} g"
+    assert said == "-0.612 g"
+
+
 def test_the_headline_of_many_cases() -> None:
     data = rockcli.run(SUITE)
     facts = {fact.what: fact.value for fact in facts_of(data)}

@@ -248,7 +248,7 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
             fell = np.isin(flags, _OVERTURNED).any(axis=tuple(range(1, flags.ndim)))
             if fell.any():
                 unit = shown_unit(dataset, axis)[1]
-                lowest = float(axis_values(dataset, axis)[fell].min())
+                lowest = min(axis_values(dataset, axis)[fell].tolist(), key=abs)  # to either side
                 return [
                     Fact(
                         _with_unit(f"{lowest:.3g}", unit),
