@@ -134,6 +134,24 @@ def test_long_names_in_a_legend_stay_on_the_page(width):
     assert shown == list(names)
 
 
+@pytest.mark.parametrize(("width", "columns"), [(90, 2), (120, 2), (180, 3)])
+def test_static_curves_stand_beside_one_another_where_there_is_room(width, columns):
+    """Which corner a line is of is written in its panel, and does not leave it."""
+    curves = ["moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle"]
+    data = rockcli.run({"name": "c", "case": {"block": {"R": 5.0, "tan_alpha": 0.3}, "model": 2}, "curves": curves})
+    figure = rockcli.plot(data, "curves", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+    shown = [axes for axes in figure.axes if axes.axison]
+    assert len(shown) == 12
+    assert len({round(axes.get_position().x0, 2) for axes in shown}) == columns
+    written = [axes for axes in shown if axes.get_legend()]
+    assert len(written) == 2
+    for axes in written:
+        words, panel = axes.get_legend().get_window_extent(), axes.get_window_extent()
+        assert panel.x0 - 1.0 <= words.x0 < words.x1 <= panel.x1 + 1.0
+
+
 def test_names_of_files_in_spectra_are_shown_as_they_are(tmp_path, monkeypatch):
     """Long ones stay on the page; a dollar is no mathematics, and an underscore in front leaves nothing out."""
     names = ["RSN811_LOMAP_a_name_as_long_as_those_of_a_database_of_records_1.AT2 H1", "1$ and 2$.txt", "_kept.AT2"]

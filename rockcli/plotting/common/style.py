@@ -165,8 +165,13 @@ def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None
 
 def grid_of(n: int) -> tuple[int, int]:
     """Rows and columns for n panels: as many abreast as the width that is wanted has room for."""
-    columns = min(1 if n == 1 else 2 if n in (2, 4) else 3, MOST_COLUMNS, max(1, int(width_or(DOUBLE) / _NARROW)))
+    columns = min(1 if n == 1 else 2 if n in (2, 4) else 3, MOST_COLUMNS, abreast())
     return -(-n // columns), columns
+
+
+def abreast() -> int:
+    """Panels beside one another that the width that is wanted has room for."""
+    return max(1, int(width_or(DOUBLE) / _NARROW))
 
 
 class NotebookFigure(Figure):

@@ -18,6 +18,7 @@ from rockcli.plotting.common.style import (
     PANELS_ACROSS,
     QUIET,
     SINGLE,
+    abreast,
     headline,
     legend_below,
     new_figure,
@@ -140,7 +141,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     found, as_block = _lines(dataset, panels, [case.position for case in columns], models)
     lines = found[:MOST_LINES]
     beside = len(columns) > 1
-    across = len(columns) if beside else min(PANELS_ACROSS, len(panels))
+    across = len(columns) if beside else min(PANELS_ACROSS, abreast(), len(panels))
     down = len(panels) if beside else -(-len(panels) // across)
     width = width_or(SINGLE * 1.2 if across == 1 else DOUBLE)
     figure = new_figure(width, 0.85 + down * max(2.3, 0.95 * width / across))
