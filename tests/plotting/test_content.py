@@ -552,6 +552,17 @@ def test_legends_look_as_the_curves_do() -> None:
     assert [axes.get_ylabel() for axes in corners] == [r"$u_{top}\,/\,2b$", r"$v_{top}\,/\,2b$"]
 
 
+def test_errors_that_are_none_have_an_axis_of_theirs() -> None:
+    """What impacts leave is Housner's, whatever the amplitude; an axis of 1e-17 made a line of rounding of it."""
+    curves = ["moment_rotation", "pushover", "displacements", "overturning_moment", "energy_per_cycle"]
+    study = {"case": {"block": {"R": 5.0, "tan_alpha": 0.3}}, "vary": {"model": [1, 2]}, "curves": curves}
+    error = figures.figure("curves", rockcli.run(study)).axes[-1]
+    assert all(not np.any(line.get_ydata()) for line in error.lines)
+    low, high = error.get_ylim()
+    assert low == -high
+    assert high > 0.01
+
+
 @pytest.mark.parametrize(("alpha", "seen"), [(0.02, False), (0.3, True)])
 def test_a_portrait_names_impacts_that_can_be_seen(alpha: float, seen: bool) -> None:
     """An impact of a slender block takes 1.5 alpha² of the velocity."""

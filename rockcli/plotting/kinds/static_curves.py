@@ -282,7 +282,7 @@ def _pair(
         error.plot(ratio, apart, color=colour, linewidth=1.0, dashes=dashes or (None, None))
     level = 1.0 if panel.model in ("overturning_moment", "energy_ratio") else 0.0
     curve.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
-    error.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
+    error.plot([-0.02, 1.0], [0.0, 0.0], color=QUIET, linewidth=0.4, zorder=0)  # `axhline` is rounded: 0 is 1e-17
     error.margins(y=0.12)
     curve.set_xlim(-0.02 if rises else 0.0, 1.0)
 
