@@ -381,6 +381,18 @@ def test_risk_is_shown_of_bodies_that_overturn():
     assert texts.count("no curve of overturning") == 2
 
 
+@pytest.mark.parametrize("width", [90, 180])
+@pytest.mark.parametrize("slopes", [(1.9, 0.2), (0.2, 1.9)])
+def test_a_body_without_a_curve_leaves_the_scale_of_others(width, slopes):
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    data = rockcli.run(suite(hazard=[curve], vary=suite()["vary"] | {"block.tan_alpha": list(slopes)}))
+    most = 100.0 * float(data["deaggregation"].sel(limit_state="overturned").max())
+    panels = [axes for axes in rockcli.plot(data, "risk", width=width).axes if axes.patches]
+    assert len(panels) == 2
+    assert panels[slopes.index(0.2)].get_ylim()[1] > most > 10.0
+    assert all(axes.get_ylim()[0] == 0.0 for axes in panels)
+
+
 def test_alternatives_beside_the_highest_rates_are_called_so():
     curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
     more = {"block.R": [2.0, 2.1, 2.2], "block.tan_alpha": [0.2, 5.0]}

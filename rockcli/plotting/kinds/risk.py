@@ -77,6 +77,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
         for axes in (*(row if abreast and not first else ()), *((beside,) if abreast and not last else ())):
             axes.set_ylabel("")
             axes.tick_params(axis="y", labelleft=False, labelright=False)
+    shares = [axes.dataLim.ymax for axes in grid[:, 1]]
+    for axes, own in zip(grid[:, 1], shares, strict=True):
+        seen = max(shares) if abreast else own  # bodies beside one another have one scale
+        axes.set_ylim(0.0, None if seen > 0.0 else 1.0)
     legend_of(figure, grid[0, 0])
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, some])))
@@ -151,8 +155,6 @@ def _deaggregation(axes: Axes, part: xarray.Dataset) -> None:
         axes.set_xlim(edges[seen[0]], edges[seen[-1] + 1])
     else:
         axes.text(0.5, 0.5, "no curve of overturning", color=QUIET, ha="center", transform=axes.transAxes)
-        axes.set_ylim(top=1.0)
-    axes.set_ylim(bottom=0.0)
     axes.set_ylabel("share of the rate [%]")
 
 
