@@ -387,8 +387,10 @@ def test_a_body_without_a_curve_leaves_the_scale_of_others(width, slopes):
     curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
     data = rockcli.run(suite(hazard=[curve], vary=suite()["vary"] | {"block.tan_alpha": list(slopes)}))
     most = 100.0 * float(data["deaggregation"].sel(limit_state="overturned").max())
-    panels = [axes for axes in rockcli.plot(data, "risk", width=width).axes if axes.patches]
+    figure = rockcli.plot(data, "risk", width=width)
+    panels = [axes for axes in figure.axes if axes.patches]
     assert len(panels) == 2
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["hazard x", "fragility"]
     assert panels[slopes.index(0.2)].get_ylim()[1] > most > 10.0
     assert all(axes.get_ylim()[0] == 0.0 for axes in panels)
 

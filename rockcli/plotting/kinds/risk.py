@@ -16,7 +16,7 @@ from rockcli.plotting.common.style import (
     MARKERS,
     QUIET,
     headline,
-    legend_of,
+    legend_below,
     new_figure,
     panel_title,
     width_or,
@@ -81,7 +81,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     for axes, own in zip(grid[:, 1], shares, strict=True):
         seen = max(shares) if abreast else own  # bodies beside one another have one scale
         axes.set_ylim(0.0, None if seen > 0.0 else 1.0)
-    legend_of(figure, grid[0, 0])
+    entries = [axes.get_legend_handles_labels() for axes in grid[:, 0]]  # a body without a curve has fewer
+    named = {word: handle for handles, words in entries for handle, word in zip(handles, words, strict=True)}
+    legend_below(figure, list(named.values()))
     note = "of overturning; bands: 95 % by the scatter of the suite"
     headline(figure, title_of(dataset), "; ".join(filter(None, [note, some])))
     return figure
