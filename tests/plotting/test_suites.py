@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from half_sines import SUITE
+from plotting.test_widths import check_words
 from scipy.special import ndtr
 
 import rockcli
@@ -378,7 +379,21 @@ def test_risk_is_shown_of_bodies_that_overturn():
     np.testing.assert_array_equal(none, [True, True, True, True, True, False])
     texts = [text.get_text() for axes in rockcli.plot(data, "risk").axes for text in axes.texts]
     assert texts.count(" 5 %") == 3
-    assert texts.count("no curve of overturning") == 2
+    assert texts.count("no curve of\noverturning") == 4
+
+
+@pytest.mark.parametrize("width", [90, 180])
+@pytest.mark.parametrize("age", [None, 1e4])
+def test_panels_without_a_curve_say_so_and_nothing_else(width, age):
+    """Years from .02 to 20 were told of no rate, and numbers of PGA ran into one another."""
+    curve = {"label": "x", "intensity": ["0.01*g", "0.1*g", "1*g", "4*g"], "rate": [0.1, 1e-2, 1e-4, 1e-6]}
+    data = rockcli.run(suite(hazard=[curve], age=age, vary=suite()["vary"] | {"block.tan_alpha": [1.9, 0.2]}))
+    figure = rockcli.plot(data, "risk", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+    empty = [axes for axes in figure.axes if "no curve of\noverturning" in [text.get_text() for text in axes.texts]]
+    assert [axes.get_xlabel() for axes in empty] == ["$a_p$ [g]", "age [years]"]
+    assert [bool(len(axes.get_xticks())) for axes in empty] == [False, bool(age)]
 
 
 @pytest.mark.parametrize("width", [90, 180])

@@ -156,8 +156,16 @@ def _deaggregation(axes: Axes, part: xarray.Dataset) -> None:
         seen = np.flatnonzero(there > 1e-3)
         axes.set_xlim(edges[seen[0]], edges[seen[-1] + 1])
     else:
-        axes.text(0.5, 0.5, "no curve of overturning", color=QUIET, ha="center", transform=axes.transAxes)
+        _empty(axes)
     axes.set_ylabel("share of the rate [%]")
+
+
+def _empty(axes: Axes, *, along: bool = False) -> None:
+    """Say why there is nothing in a panel; `along`: there is something on its axis all the same."""
+    axes.text(0.5, 0.5, "no curve of\noverturning", color=QUIET, ha="center", va="center", transform=axes.transAxes)
+    if not along:
+        axes.set_xticks([])
+        axes.set_xticks([], minor=True)
 
 
 def _survival(axes: Axes, part: xarray.Dataset) -> None:
@@ -188,5 +196,7 @@ def _survival(axes: Axes, part: xarray.Dataset) -> None:
     axes.set_xscale("log")
     axes.set_xlim(years[0], years[-1])
     axes.set_ylim(0.0, 1.02)
+    if not np.isfinite(rate).any():
+        _empty(axes, along=bool(age))
     axes.set_xlabel("age [years]")
     axes.set_ylabel("probability of survival")
