@@ -242,6 +242,16 @@ def test_titles_and_legends_take_nothing_from_the_panels(drawn, kind):
         assert 0.6 < box.height / box.width < 1.3
 
 
+def test_names_of_functions_take_room_in_titles_of_panels():
+    """tan(alpha) is four letters and a blank; they were none, and titles reached the edge of the page."""
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": "0.4*alpha"}}
+    vary = {"block.tan_alpha": [0.35, 0.25], "model": ["linearized", "1", "2"]}
+    figure = rockcli.plot(rockcli.run({"name": "t", "case": case, "vary": vary}), "phase", width=90)
+    figure.draw_without_rendering()
+    check_words(figure)
+    assert figure.axes[1].get_title() == "$\\tan\\alpha$ = 0.35,\nmodel 1 = model 2"
+
+
 def test_half_a_circle_leaves_no_half_empty(drawn):
     for width in WIDTHS:
         figure = drawn("polar", width)

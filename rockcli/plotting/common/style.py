@@ -220,6 +220,9 @@ def untold(figure: Figure) -> str:
     return re.sub(r"[$\\{}]|_(?=max)", "", note)
 
 
+_GREEK = re.compile(r"\\(?!tan|sin|cos|max|min|sup)[A-Za-z]+")
+"""Commands of mathematics that are one letter, unlike names of functions."""
+
 _UNIT, _JOINED = re.compile(r" (?== )|(?<= =) |(?<=\d) (?=(?:g|mm?|s|rad|Hz|m/s²?)(?:[,;)\s]|$))"), "\N{NO-BREAK SPACE}"
 """Blanks at which a line does not end, and what stands for them."""
 
@@ -248,8 +251,8 @@ def _in_lines(words: str, columns: int) -> str:
 
 
 def _seen(words: str) -> str:
-    """Words without what mathematics is written with, which takes no room."""
-    return re.sub(r"\\(?:mathrm|[a-z]+)|[${}]", "", words)
+    """Words without what mathematics is written with, which takes no room; a Greek letter is one of them."""
+    return re.sub(r"[${}\\]", "", _GREEK.sub("x", re.sub(r"\\(?:mathrm|dot|hat|,)", "", words)))
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
