@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from plotting.test_widths import check_words
 
 import rockcli
 from rockcli.plotting import figures
@@ -170,3 +171,18 @@ def test_long_names_leave_room_for_the_marks_in_a_column_of_a_journal():
     assert all(box.x0 >= 0.0 for box in shown)
     ends = sorted((box.y0, box.y1) for box in shown)
     assert all(top <= bottom for (_, top), (bottom, _) in pairwise(ends))
+
+
+@pytest.mark.parametrize("width", [60, 90, 180])
+def test_few_bodies_with_many_alternatives_have_room_for_both(width):
+    """A figure as high as two rows was lower than its legend, and nothing in it was laid out."""
+    bodies = {"a low block": {"R": 1.0, "tan_alpha": 0.3}, "a high block": {"R": 2.0, "tan_alpha": 0.2}}
+    case = {"block": {"R": 1.0, "tan_alpha": 0.3}, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "T_p": 0.5}}}
+    vary = {"block": bodies, "motion.pulse.a_p": [3.0, 6.0], "motion.pulse.T_p": [0.4, 0.6, 0.8, 1.0]}
+    figure = rockcli.plot(
+        rockcli.run({"case": case, "vary": vary, "save": {"histories": False}}), "ranking", width=width
+    )
+    figure.draw_without_rendering()
+    check_words(figure)
+    row = figure.axes[0].get_window_extent().height / figure.dpi / 2.4
+    assert 0.15 < row < 0.16

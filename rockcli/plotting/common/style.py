@@ -120,6 +120,9 @@ SHORTEST = 1.6
 _TURNS = 3
 """Layouts after which words stand beside panels that are no wider or higher than what they show at their scale."""
 
+_ROOM = 10.0
+"""More than titles and legends take [in]."""
+
 _FEWEST = 12
 """Letters of a line that is broken no further."""
 
@@ -158,6 +161,7 @@ def lay_out(figure: Figure) -> None:
 
 def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
     """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it."""
+    figure.set_figheight(figure.get_figheight() + _ROOM)  # they may be higher than it is, and nothing is laid out then
     lay_out(figure)
     now = axes.get_position(original=True).height * figure.get_figheight()
     figure.set_figheight(figure.get_figheight() + rows * (height - now))
