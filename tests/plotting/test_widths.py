@@ -242,6 +242,18 @@ def test_titles_and_legends_take_nothing_from_the_panels(drawn, kind):
         assert 0.6 < box.height / box.width < 1.3
 
 
+@pytest.mark.parametrize("width", [60, 90, 120])
+def test_maps_beside_one_another_are_not_flat_in_a_column(width):
+    """A legend of four lines left maps of two bodies half an inch, in which numbers touched."""
+    case = {"block": {"R": 2.0, "tan_alpha": 0.3}, "motion": {"pulse": {"shape": "sine", "a_p": 4.0, "T_p": 0.5}}}
+    a_p = {"from": 0.4, "to": 40.0, "n": 9, "spacing": "log"}
+    vary = {"block.R": [1.0, 4.0], "motion.pulse.a_p": a_p, "motion.pulse.T_p": {"from": 0.3, "to": 2.3, "n": 9}}
+    figure = rockcli.plot(rockcli.run({"case": case, "vary": vary, "save": {"histories": False}}), "map", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+    assert figure.axes[0].get_window_extent().height / figure.dpi > 1.59
+
+
 def test_names_of_functions_take_room_in_titles_of_panels():
     """tan(alpha) is four letters and a blank; they were none, and titles reached the edge of the page."""
     case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "initial": {"theta": "0.4*alpha"}}

@@ -159,12 +159,16 @@ def lay_out(figure: Figure) -> None:
             engine.execute(figure)
 
 
-def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1) -> None:
-    """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it."""
+def fit_panels(figure: Figure, axes: Axes, height: float, rows: int = 1, *, at_least: bool = False) -> None:
+    """Make a figure as high as lets each of its rows of panels be `height` [in]: titles and legends take none of it.
+
+    `at_least`: one whose panels are higher stays as it is.
+    """
     figure.set_figheight(figure.get_figheight() + _ROOM)  # they may be higher than it is, and nothing is laid out then
     lay_out(figure)
     now = axes.get_position(original=True).height * figure.get_figheight()
-    figure.set_figheight(figure.get_figheight() + rows * (height - now))
+    wanted = max(height, now - _ROOM / rows) if at_least else height
+    figure.set_figheight(figure.get_figheight() + rows * (wanted - now))
 
 
 def grid_of(n: int) -> tuple[int, int]:

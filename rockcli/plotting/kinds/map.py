@@ -34,7 +34,9 @@ from rockcli.plotting.common.style import (
     LIFTS,
     MOST_PANELS,
     OUTCOME_COLOURS,
+    SHORTEST,
     SINGLE,
+    fit_panels,
     grid_of,
     headline,
     legend_below,
@@ -102,7 +104,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     others = tuple(axis for axis in axes_of(dataset) if axis not in found)
     shown, total = pick(dataset, MOST_PANELS, others)
     rows, columns = grid_of(len(shown))
-    width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
+    natural = SINGLE * 1.3 if columns == 1 else DOUBLE
+    width = width_or(natural)
     figure = new_figure(width, 0.95 + rows * (width / columns) * 0.8)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     peaks = _peaks(dataset)
@@ -134,6 +137,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     uplift = f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$" if lifts else ""
     _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, uplift=uplift)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
+    if width < natural:  # a layout takes longer than all else
+        fit_panels(figure, grid.flat[0], SHORTEST, rows, at_least=True)
     return figure
 
 
