@@ -167,6 +167,21 @@ def test_names_of_files_in_spectra_are_shown_as_they_are(tmp_path, monkeypatch):
     assert shown[1].count("\\$") == 2
 
 
+@pytest.mark.parametrize("kind", ["curve", "histories"])
+def test_a_high_legend_leaves_the_panels_as_they_are(kind):
+    """Eight names of two or three lines are higher than the panels, which nothing was left of."""
+    said = "shelf of the archive with the files of 1950 to 1990, unloaded and not tied to the wall of the basement"
+    names = {f"{said}, number {k}": {"width": 0.3 + 0.05 * k} for k in range(8)}
+    pulse = {"shape": "sine", "a_p": 4.0, "T_p": 0.6}
+    case = {"block": {"height": 2.0, "width": 0.5}, "motion": {"pulse": pulse}}
+    over = {"motion.pulse.a_p": [2.0, 4.0, 6.0]} if kind == "curve" else {}
+    study = {"case": case, "vary": {"block": names} | over, "save": {"histories": kind == "histories"}}
+    figure = rockcli.plot(rockcli.run(study), kind, width=90)
+    figure.draw_without_rendering()
+    check_words(figure)
+    assert figure.axes[-1].get_window_extent().height / figure.dpi > 1.5
+
+
 @pytest.mark.parametrize("width", [None, 60, 90, 120, 150])
 def test_words_beside_a_slender_body_stay_on_the_page(width):
     outline = [[0, 0], [0.41, 0.012], [0.53, 0.74], [0.4, 1.75], [0, 1.8], [-0.24, 0.8]]

@@ -120,6 +120,9 @@ SHORTEST = 1.6
 _TURNS = 3
 """Layouts after which words stand beside panels that are no wider or higher than what they show at their scale."""
 
+_SHARE = 0.3
+"""Part of a figure that a legend takes before it makes it higher."""
+
 _ROOM = 10.0
 """More than titles and legends take [in]."""
 
@@ -266,7 +269,7 @@ def _seen(words: str) -> str:
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
     """One legend below the figure, in as many columns as there is room for, at most `most`, their rows filled alike.
 
-    Words that one column has no room for take several lines.
+    Words that one column has no room for take several lines, and what is high makes the figure higher.
     """
     if not handles:
         return None
@@ -279,7 +282,10 @@ def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **sty
         how: dict[str, Any] = {"columnspacing": 1.4, **style, "ncols": columns}
         labels = [_in_lines(each, letters) for each in words]
         legend = figure.legend(list(handles), labels, loc="outside lower center", **how)
-        if letters <= _FEWEST or legend.get_window_extent(renderer).width <= 0.98 * figure.bbox.width:
+        size = legend.get_window_extent(renderer)
+        if letters <= _FEWEST or size.width <= 0.98 * figure.bbox.width:
+            more = size.height / figure.dpi - _SHARE * figure.get_figheight()
+            figure.set_figheight(figure.get_figheight() + max(more, 0.0))
             return legend
         legend.remove()
         if columns > 1:
