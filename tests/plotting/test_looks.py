@@ -370,6 +370,28 @@ def test_datasets_of_which_one_varies_along_more_axes_are_drawn_together():
         assert len(rockcli.plot([first, second], "map").axes) >= 2
 
 
+@pytest.mark.parametrize("kind", ["curve", "map", "ranking"])
+def test_datasets_of_equal_results_are_drawn_together(kind):
+    """Two names of one study, or amplitudes at which nothing moves in either of two."""
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 3.0, "T_p": 0.5}}}
+    a_p, T_p = ({"from": 0.5 * most, "to": most, "n": 5} for most in (1.5, 2.0))
+    over = {"motion.pulse.a_p": a_p} | ({} if kind == "curve" else {"motion.pulse.T_p": T_p})
+    if kind == "ranking":
+        over = {
+            "case": {"low": {"block.R": 1.0}, "high": {"block.R": 2.0}, "higher": {"block.R": 3.0}},
+            "motion.pulse.a_p": [0.7, 1.5],
+        }
+    sizes = [
+        {"name": name, "case": case | {"block": {"R": R, "tan_alpha": 0.2}}} for name, R in (("a", 1.0), ("b", 2.0))
+    ]
+    data = [rockcli.run(size | {"vary": over, "save": {"histories": False}}) for size in sizes]
+    np.testing.assert_array_equal(*(each["theta_peak_over_alpha"].values for each in data))
+    drawn = rockcli.plot(data, kind)
+    words = [text.get_text() for legend in drawn.legends for text in legend.get_texts()]
+    words += [axes.get_title() for axes in drawn.axes]
+    assert all(any(word.startswith(name) for word in words) for name in "ab")
+
+
 def test_lines_over_datasets_drawn_together_are_those_of_their_own_models():
     """Linearized blocks lift at g alpha, and fall by another separatrix; those of the first were drawn over all."""
     study = {

@@ -181,7 +181,8 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
         rows = [_values(each, name, dims, time, impacts) for each in datasets]
         if name == MOTION:
             rows = [row + _MANY * _first_alike(datasets, i) for i, row in enumerate(rows)]
-        same = all(np.array_equal(rows[0], row, equal_nan=True) for row in rows[1:])
+        # what the body and the motion are is told once; what became of them for each, as figures look for it
+        same = name in first.coords and all(np.array_equal(rows[0], row, equal_nan=True) for row in rows[1:])
         items[name] = (
             (dims, rows[0], first[name].attrs) if same else ((DATASET, *dims), np.stack(rows), first[name].attrs)
         )
