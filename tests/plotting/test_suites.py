@@ -9,6 +9,7 @@ from plotting.test_widths import check_words
 from scipy.special import ndtr
 
 import rockcli
+from rockcli.errors import StudyError
 from rockcli.plotting import figures
 from rockcli.plotting.kinds import fragility
 from rockcli.plotting.kinds.ida import fractiles_of
@@ -560,6 +561,21 @@ def test_an_axis_of_sa_is_of_a_period_where_all_cases_have_it(more, label):
         }
     )
     assert figures.figure("ida", dataset).axes[0].get_ylabel() == label
+
+
+@pytest.mark.parametrize("kind", ["intensities", "samples"])
+def test_figures_of_a_suite_are_of_one_dataset(kind):
+    """Several in one figure have no statistics in common."""
+    if kind == "samples":
+        uncertain = {"block.R": {"uniform": [1.0, 3.0]}}
+        data = rockcli.run(
+            {"case": suite()["case"], "uncertain": uncertain, "samples": 8, "save": {"histories": False}}
+        )
+    else:
+        data = plane(["pga", "pgv_over_pga"])
+    assert not figures.why_not(kind, data)
+    with pytest.raises(StudyError, match="drawn of one dataset at a time"):
+        rockcli.plot([data, data], kind)
 
 
 def test_one_intensity_has_no_plane(stripes):

@@ -47,7 +47,7 @@ _LEVELS = {0.05: LINES[1], 0.5: LINES[0], 0.95: LINES[2]}
 
 def without_intensities(dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn so; "" if it can."""
-    if SECOND in dataset.variables and "outcome" in dataset.variables:
+    if {SECOND, "outcome"} <= set(map(str, dataset.variables)) and suite_of(dataset) is not None:
         return ""
     return "its fragility is not told against two intensities (over: {axis, intensity: [pga, pgv_over_pga]})"
 

@@ -31,7 +31,7 @@ _WIDE = 0.8 * DOUBLE
 
 def without_samples(dataset: xarray.Dataset) -> str:
     """Why a dataset cannot be drawn so; "" if it can."""
-    if "p_overturned_se" not in dataset.variables:
+    if "p_overturned_se" not in dataset.variables or suite_of(dataset) is None:
         return "the study has no statistics over samples (uncertain: {PATH: DISTRIBUTION})"
     return "" if PEAK in dataset.variables else f"{PEAK} was not saved"
 
