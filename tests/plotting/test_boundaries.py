@@ -243,6 +243,15 @@ def test_bodies_of_settings_and_datasets_lift_by_their_own_gravity(tmp_path: Pat
     table = rockcli.run(tmp_path / "study.yaml")
     levels = [line.get_ydata()[0] for axes in rockcli.plot(table, "map").axes for line in axes.lines if line.get_gid()]
     assert levels == pytest.approx([0.2, 0.2 * 1.62 / 9.81])
+    maps = [
+        rockcli.run({"name": f"g{g:.0f}", "case": case | {"g": g}, "vary": over, "save": {"histories": False}})
+        for g in (9.81, 1.62)
+    ]
+    for several, unit in ((maps, (9.81, 9.81)), (maps[:1], (9.81,)), (maps[1:], (1.62,))):  # one axis, one unit
+        for axes, each, g in zip(rockcli.plot(several, "map").axes, several, unit, strict=False):
+            (line,) = (line for line in axes.lines if line.get_gid() == "uplift")
+            assert line.get_ydata()[0] * g == pytest.approx(0.2 * json.loads(each.attrs["case"])["g"])
+            assert axes.get_ylim()[1] * g == pytest.approx(2.6 + 0.25)
     places = [rockcli.run({"name": f"g{g:.0f}", "case": case | {"g": g}}) for g in (9.81, 1.62)]
     for shown, expected in ((places, []), (places[:1], [0.2]), (places[1:], [0.2])):
         drawn = rockcli.plot(shown, "histories")

@@ -33,6 +33,11 @@ def resolved_cases(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     return [cases[str(label)] for label in np.ravel(dataset[DATASET].values)]
 
 
+def every_case(dataset: xarray.Dataset) -> list[dict[str, Any]]:
+    """The base cases of all datasets that are drawn together, also of those that a part of them leaves out."""
+    return list(json.loads(dataset.attrs["cases"]).values()) if "cases" in dataset.attrs else resolved_cases(dataset)
+
+
 def _common(trees: list[dict[str, Any]]) -> dict[str, Any]:
     """What several trees have in common."""
     found: dict[str, Any] = {}

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.case_settings import DATASET, resolved_case, resolved_cases
+from rockcli.plotting.common.case_settings import DATASET, every_case, resolved_case, resolved_cases
 from rockcli.scene.axis_path import axis_path
+from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.response import SLIDING
 from rockcli.scene.units import Units, g_of, unit_words, written
 from rockcli.scene.variables import VARIABLES
@@ -176,9 +177,13 @@ def _has_vertical(dataset: xarray.Dataset) -> bool:
 
 
 def unit_g(dataset: xarray.Dataset) -> float:
-    """Unit of acceleration in plots [m/s²]: the g of the study's case; 9.81 where it is not told or is varied."""
+    """Unit of acceleration in plots [m/s²]: the g of the study's case; 9.81 where it is not told or is varied.
+
+    Panels of several datasets have one unit, 9.81 where these differ.
+    """
     varied = {path_of(dataset, str(name)) for name in dataset.coords}
-    return g_of(resolved_case(dataset), varied)
+    found = {g_of(case, varied) for case in every_case(dataset)}
+    return found.pop() if len(found) == 1 else STANDARD_G
 
 
 def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
