@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at, values_of
-from rockcli.plotting.common.labels import lifts_from, unit_g
+from rockcli.plotting.common.labels import lifts_from, two_edged, unit_g
 from rockcli.plotting.common.style import COLOURS, QUIET
 from rockcli.scene.variables import MOTION
 
@@ -103,13 +103,19 @@ def height_of(panel: list[Motion]) -> float:
     return 1.0 + 0.28 * len(panel) if _stacked(panel) else 1.0
 
 
-def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> float:
-    """g tan(alpha) of the weaker side, one for all cases, at which a rigid body lifts [g]; NaN where they differ."""
+def uplift_at(dataset: xarray.Dataset, positions: list[Position]) -> tuple[float, float]:
+    """a_g to the right and to the left that lifts a rigid body about its left and right edge, one for all cases [g].
+
+    g tan(alpha); NaN where they differ.
+    """
     if "alpha" not in dataset.variables:
-        return np.nan
-    lifts, axes = lifts_from(dataset), axes_of(dataset)
-    levels = [float(values_of(lifts, axes, position)) / unit_g(dataset) for position in positions]
-    return levels[0] if levels and np.ptp(levels) <= _SAME else np.nan
+        return np.nan, np.nan
+    axes, g = axes_of(dataset), unit_g(dataset)
+    sides = ("alpha_left", "alpha_right") if two_edged(dataset) else ("alpha", "alpha")
+    found = [lifts_from(dataset, side) for side in sides]
+    levels = np.array([[float(values_of(one, axes, position)) / g for one in found] for position in positions])
+    alike = len(levels) > 0 and bool((np.ptp(levels, axis=0) <= _SAME).all())
+    return (float(levels[0, 0]), float(levels[0, 1])) if alike else (np.nan, np.nan)
 
 
 def draw_ground(
@@ -119,7 +125,7 @@ def draw_ground(
     *,
     coloured: bool,
     named: bool = False,
-    uplift: float = np.nan,
+    uplift: tuple[float, float] = (np.nan, np.nan),
     word: str = "",
 ) -> None:
     """A panel of the motions given: one trace, pulses over one another, or records below one another.
@@ -130,7 +136,8 @@ def draw_ground(
         panel: motions.
         coloured: a motion of one case only has its colour, where there are others.
         named: write what distinguishes a motion above its panel.
-        uplift: g tan(alpha) [g], marked where the motions reach it or nearly do; NaN = not. word: what it is.
+        uplift: g tan(alpha) to both sides [g], marked where the motions reach it or nearly do; NaN = not.
+        word: what it is.
     """
     stacked = _stacked(panel)
     level = 0.0
@@ -150,8 +157,13 @@ def draw_ground(
         axes.axhline(level, color=QUIET, linewidth=0.4, zorder=0)
         levels.append(level)
         peaks.append(f"{peak:.2g}")
-    if not scaled and not stacked and max(_reach(m, s) for m in panel for s in (-1.0, 1.0)) > _NEARLY * uplift:
-        for level, words in ((uplift, rf"$\pm {word}$"), (-uplift, "")):
+    nearly = any(
+        _reach(m, side) > _NEARLY * level for m in panel for side, level in zip((1.0, -1.0), uplift, strict=True)
+    )
+    if not scaled and not stacked and nearly:
+        left, right = (word.replace(r"\alpha", rf"\alpha_{{\mathrm{{{edge}}}}}") for edge in ("left", "right"))
+        marks = (rf"$\pm {word}$", "") if uplift[0] == uplift[1] else (f"${left}$", f"$-{right}$")
+        for level, words in zip((uplift[0], -uplift[1]), marks, strict=True):
             axes.axhline(level, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=1)
             axes.annotate(
                 words,

@@ -186,17 +186,25 @@ def unit_g(dataset: xarray.Dataset) -> float:
     return found.pop() if len(found) == 1 else STANDARD_G
 
 
-def lifts_from(dataset: xarray.Dataset) -> xarray.DataArray:
+def lifts_from(dataset: xarray.Dataset, of: str = "alpha") -> xarray.DataArray:
     """g tan(alpha) of the weaker edge, of linearized blocks g alpha, from which rigid bodies lift [m/s²].
 
-    Over the axes that change it; NaN where settings may choose g.
+    Over the axes that change it; NaN where settings may choose g.  `of`: the alpha of another edge.
     """
-    g, alpha, models = _gravity(dataset), dataset["alpha"], _models(dataset)
+    g, alpha, models = _gravity(dataset), dataset[of], _models(dataset)
     tangent = alpha.copy(data=np.tan(alpha.values))
     if isinstance(models, str) and isinstance(g, float):
         return alpha.copy(data=(alpha if models == "linearized" else tangent).values * g)
     level: xarray.DataArray = (tangent + (models == "linearized") * (alpha - tangent)) * g
     return level
+
+
+def two_edged(dataset: xarray.Dataset) -> bool:
+    """Whether bodies have two different edges, so that from where they lift depends on the side they are pushed to."""
+    if "alpha_left" not in dataset.variables:
+        return False
+    left, right = (dataset[f"alpha_{side}"].values for side in ("left", "right"))
+    return bool((np.abs(left - right) > 1e-9 * np.abs(left)).any())
 
 
 def _gravity(dataset: xarray.Dataset) -> Any:

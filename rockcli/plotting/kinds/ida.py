@@ -23,6 +23,7 @@ from rockcli.plotting.common.labels import (
     path_of,
     shown_unit,
     title_of,
+    two_edged,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -175,7 +176,7 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
 def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
     peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
-    if not peak_of_ground or "alpha" not in part.variables or has_floors(part):
+    if not peak_of_ground or "alpha" not in part.variables or has_floors(part) or two_edged(part):
         return False
     lifts = lifts_from(part)
     if lifts.ndim or np.isnan(float(lifts)):

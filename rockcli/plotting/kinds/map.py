@@ -27,6 +27,7 @@ from rockcli.plotting.common.labels import (
     path_of,
     shown_unit,
     title_of,
+    two_edged,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -181,7 +182,7 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     """Draw the amplitude at which a rigid body lifts, over an axis of amplitudes; whether it is in the map."""
     x, y = found
     role = path_of(dataset, y).rsplit(".", 1)[-1]
-    if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset):
+    if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset) or two_edged(dataset):
         return False
     over = role.endswith("_over_g_tan_alpha")
     if over and "tan" in lifts_word(dataset):

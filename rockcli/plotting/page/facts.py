@@ -20,6 +20,7 @@ from rockcli.plotting.common.labels import (
     lifts_words,
     path_of,
     shown_unit,
+    two_edged,
     unit_g,
     whose,
 )
@@ -228,6 +229,7 @@ def _uplift(dataset: xarray.Dataset) -> list[Fact]:
     one = high - low <= 1e-6 * high
     word = " or ".join({r"g\,\tan\alpha": "g tan(alpha)", r"g\,\alpha": "g alpha"}[w] for w in lifts_words(dataset))
     said = "of what arrives at its base" if has_floors(dataset) else "ground acceleration"
+    word += " of the weaker edge" if two_edged(dataset) else ""
     value = f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g"
     return [Fact(value, "lifts from", f"{said}, {word}{lifts_without(dataset)}")]
 
