@@ -37,7 +37,8 @@ def draw(
                 median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
             shown = axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
         axes.set_xscale("log")
-        axes.set_yscale("log")
+        if any((values > 0.0).any() for _, values in spectra):
+            axes.set_yscale("log")
         axes.set_xlim(periods[0], periods[-1])
         axes.set_xlabel("period [s]")
         axes.set_ylabel(r"$S_a$(5 %) [g]")

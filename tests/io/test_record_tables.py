@@ -173,6 +173,8 @@ def test_a_record_of_zeros_has_a_spectrum_too(tmp_path: Path) -> None:
     silent.write_text("# units: g\n# dt: 0.01\n" + 5 * "0\n")
     run("info", *[ONE] * 12, silent, "--sa", "1", "--spectrum", tmp_path / "s.svg")
     assert "median of 13" in (tmp_path / "s.svg").read_text()
+    run("info", silent, "--spectrum", tmp_path / "alone.svg")  # a logarithmic axis has no place for it
+    assert "silent.txt" in (tmp_path / "alone.svg").read_text()
 
 
 SEARCH = """\
