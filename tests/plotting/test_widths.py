@@ -121,6 +121,16 @@ def test_words_of_bodies_with_long_names_stay_on_the_page_of_a_file(width, b, tm
     check_words(figure)
 
 
+@pytest.mark.parametrize("width", [None, 90, 120])
+@pytest.mark.parametrize("b", [[0.32, 0.4], 0.32, 0.28, 0.225, 0.15])
+def test_words_of_a_body_as_wide_as_its_panel_stay_on_the_page(b, width, tmp_path):
+    """Whether the width or the height of the page bounds it, in files, which are laid out without a drawing before."""
+    data = rockcli.run({"name": "one", "case": {"block": {"h": 0.45, "b": b}, "initial": {"theta": 0.01}}})
+    figure = rockcli.plot(data, "body", tmp_path / "body.png", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+
+
 @pytest.mark.parametrize("width", [90, 180])
 def test_long_names_in_a_legend_stay_on_the_page(width):
     said = "shelf of the archive with the files of 1950 to 1990, unloaded and not tied to the wall of the basement"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.patches import Arc, PathPatch
@@ -34,12 +34,17 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+    from matplotlib.text import Annotation
 
 _ROW, _AROUND = 2.9, (0.85, 0.9)
 """Most that a row of panels is high, and what words take of a panel's width and height [in]."""
 
 _ONE_LINE = 2.2
 """Width of a panel from which alpha and R stand on one line [in]."""
+
+_BESIDE = 0.04
+"""Part of the width left free beside words that stand beside a body."""
 
 _MORE_LINES = 0.35
 """What alpha and R on lines of their own take [in]."""
@@ -133,12 +138,12 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
         lines = [(part, colour) for words, colour in lines for part in words.split(", ")]
     axes.plot(0.0, h, "o", color="black", markersize=4.0, zorder=5)
     axes.plot([0.0, 0.0], [0.0, h], color=QUIET, linewidth=0.6, linestyle=(0, (1, 2)), zorder=3)
-    where, begins = ((1.0, 0.5), (8.0, 6.0)) if beside else ((0.5, 0.0), (0.0, -32.0))
-    for number, (words, colour) in enumerate(lines):
+    begin = 6.0 if beside else -32.0
+    written = [
         axes.annotate(
             words,
-            where,
-            (begins[0], begins[1] - 12.0 * number),
+            (0.5, 0.5 if beside else 0.0),
+            (0.0, begin - 12.0 * number),
             xycoords="axes fraction",
             textcoords="offset points",
             color=colour,
@@ -146,6 +151,10 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
             va="top",
             fontsize=8.0,
         )
+        for number, (words, colour) in enumerate(lines)
+    ]
+    if beside:
+        _stand_beside(axes, written)
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     axes.set_xlim(min(low[0], -body.left) - 0.08 * size, max(high[0], body.right) + 0.08 * size)
     axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
@@ -153,6 +162,17 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
         with_room_beside(axes)
     if narrow:
         axes.xaxis.set_major_locator(MaxNLocator(3))
-    axes.set_aspect("equal", anchor="W" if beside else "C")
+    axes.set_aspect("equal")
     axes.set_xlabel("$x$ [m]" if narrow else "$x$ from the centre of mass [m]", labelpad=1.0)
     axes.set_ylabel("$z$ [m]")
+
+
+def _stand_beside(axes: Axes, written: list[Annotation]) -> None:
+    """Give words a column of their own at the right, which the layout of a panel with its scale leaves them."""
+    figure = cast("Figure", axes.figure)
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    wide = max(words.get_window_extent(renderer).width for words in written) / figure.bbox.width + _BESIDE
+    cast("ConstrainedLayoutEngine", figure.get_layout_engine()).set(rect=(0.0, 0.0, 1.0 - wide, 1.0))
+    for words in written:
+        words.xy, words.xycoords = (1.0 - wide, words.xy[1]), ("figure fraction", "axes fraction")
+        words.set_in_layout(False)
