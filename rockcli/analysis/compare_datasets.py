@@ -112,7 +112,7 @@ def difference(
         slid, how_far = _apart(*slides, rtol, atol)
         beyond, relative = beyond | (slid & stands), np.fmax(relative, np.where(stands, how_far, np.nan))
     beyond &= ~other
-    rank = np.where(other, np.inf, np.where(beyond, np.where(np.isfinite(relative), relative, 1e300), -1.0)).ravel()
+    rank = np.where(other, np.inf, np.where(beyond, np.minimum(relative, 1e300), -1.0)).ravel()
     order = np.argsort(-rank, kind="stable")[:most]
     worst: list[tuple[str, str]] = []
     changes: dict[str, int] = {}
@@ -151,12 +151,13 @@ def difference(
 def _apart(
     x: NDArray[Any], y: NDArray[Any], rtol: float, atol: float, slack: NDArray[Any] | float = 0.0
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Where values do not agree, and their relative differences."""
+    """Where values do not agree, and relative differences: inf where one alone is finite, NaN where neither is."""
     with np.errstate(invalid="ignore", divide="ignore"):
         scale = np.maximum(np.abs(x), np.abs(y))
         apart = np.abs(y - x)
         agree = (apart <= atol + rtol * scale + slack) | (x == y) | (np.isnan(x) & np.isnan(y))
-        return ~agree, np.where(scale > atol, apart / scale, 0.0)
+        relative = np.where(scale <= atol, 0.0, apart / scale)
+        return ~agree, np.where(agree | np.isfinite(relative), relative, np.inf)
 
 
 _Flags = tuple[Mapping[int, str], NDArray[Any], NDArray[Any]]

@@ -129,9 +129,10 @@ def _in_words(found: Difference, apart: dict[str, str], rtol: float) -> str:
     flags, values = ("states", found.quantity) if search else ("outcomes", "peaks")
     lines.append(f"  {flags:<9} {found.outcomes} differ")
     lines += [f"            {n} {_spaced(words)}" for words, n in found.changes.items()]
-    if found.largest == found.largest:
-        spread = f"relative difference: median {found.median:.2g}, largest {found.largest:.2g}"
-        lines.append(f"  {values:<9} {found.peaks} beyond rtol {rtol:g}; {spread}")
+    known = found.largest == found.largest
+    if known or found.peaks:
+        spread = f"; relative difference: median {found.median:.2g}, largest {found.largest:.2g}" if known else ""
+        lines.append(f"  {values:<9} {found.peaks} beyond rtol {rtol:g}{spread}")
     lines += [f"    {place + ': ' if place else ''}{words}" for place, words in found.worst]
     hidden = found.outcomes + found.peaks - len(found.worst)
     if hidden:

@@ -15,6 +15,7 @@ from rockcli.cli.main import app
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.scene.response import FAILED, NO_UPLIFT, ROCKING
+from rockcli.scene.variables import PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field
 from rockcli.study.open import open_study
@@ -90,6 +91,28 @@ def test_an_answer_lost_is_a_difference(first: Contents) -> None:
     other = changed(first, "theta_peak_over_alpha", (2, 0), np.nan)
     assert difference(first, other, rtol=1.0).peaks == 1
     assert difference(other, other, rtol=0.0).same
+
+
+def test_an_answer_lost_is_no_difference_of_0(first: Contents, tmp_path: Path) -> None:
+    """Two peaks apart by a thousandth and by a half, one lost, one in neither: the lost one is the worst."""
+    at = [(0, 0), (2, 0), (2, 1), (1, 0)]
+    before = after = first
+    for place, one, other in zip(at, (0.2, 0.2, 0.2, np.nan), (0.2 * 1.001, 0.4, np.nan, np.nan), strict=True):
+        before, after = changed(before, PEAK, place, one), changed(after, PEAK, place, other)
+    before, after = (
+        changed(before, PEAK, ([0, 1, 3, 3], [1, 1, 0, 1]), np.inf),
+        changed(after, PEAK, ([0, 1, 3, 3], [1, 1, 0, 1]), np.inf),
+    )
+    found = difference(before, after, rtol=1e-6)
+    assert found.peaks == 3
+    assert found.worst[0][1] == "peak 0.2 -> nan"
+    assert found.median == pytest.approx(0.5 * (1e-3 / 1.001 + 0.5))
+    lost = changed(first, PEAK, (slice(None), slice(None)), np.nan)
+    assert np.isnan(difference(first, lost, rtol=1e-6).largest)
+    paths = [str(tmp_path / "a.nc"), str(tmp_path / "b.nc")]
+    for path, contents in zip(paths, (first, lost), strict=True):
+        netcdf.write(contents, Path(path))
+    assert "  peaks     8 beyond rtol 1e-06\n" in CliRunner().invoke(app, ["compare", *paths]).stdout
 
 
 def test_points_of_one_only_are_counted_and_axes_may_be_in_another_order(first: Contents) -> None:
