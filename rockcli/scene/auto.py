@@ -243,8 +243,7 @@ def expected_errors(step: str, groups: Groups) -> Array:
     """
     edges, values = TABLES[step]
     found = _row_of(getattr(groups, GROUP_OF[step]), edges, values[_kind(groups)])
-    if step == "rigid":
-        found[(groups.p_T1 > STIFF) & (groups.amplitude > GENTLE), STILL] = np.inf
+    found[(groups.p_T1 > STIFF) & (groups.amplitude > GENTLE), STILL] = np.inf
     return found
 
 
@@ -293,13 +292,14 @@ def prospect(batch: Batch, groups: Groups) -> str:
     if why:
         return f"{top}, the highest model of this body: {why}"
     words = RIGID_CLASSES[: STILL + 1] if still(groups)[0] else RIGID_CLASSES
-    error = expected_errors("rigid", groups)[:1]
+    bending, opening = expected_errors("rigid", groups)[:1], np.zeros(1)
     if reference == WINKLER:
-        error = error + expected_errors("flexible", groups)[:1]
-    serve = error <= tolerance
+        opening = expected_errors("flexible", groups)[:1]
+    serve = bending + opening <= tolerance
     said = [words[j] for j in np.flatnonzero(serve[0, : len(words)])]
     if not said or (len(words) > 1 and chance(groups, serve)[0] < PAYS):
-        return f"{_name(reference - 1)} or {top}" if reference == WINKLER else top
+        as_column = reference == WINKLER and bool((opening[0, : len(words)] <= tolerance).any())
+        return f"{_name(COLUMN)} or {top}" if as_column else top
     return f"rigid if {', or '.join(said)}; else {top}"
 
 

@@ -141,6 +141,25 @@ def test_a_column_that_its_vibrations_lift_is_solved_as_a_column() -> None:
     assert stiff.candidate.tolist() == [auto.NONE, auto.NONE]
 
 
+def test_a_column_that_its_vibrations_lift_is_solved_on_the_base_it_has() -> None:
+    """.95 g tan(alpha), p T_1 = .48: .063 alpha on a rigid base, .037 on a base that opens at 9e-5 alpha."""
+    case = {
+        "block": {"R": 5.0, "tan_alpha": 0.1},
+        "motion": {"record": {"file": "synthetic_soil_m70.AT2", "pga_over_g_tan_alpha": 0.95}},
+        "column": {"E": "6*GPa", "rho": 2500, "zeta": 0.005},
+        "base": {"law": "winkler", "kw": 5.5e10},
+    }
+    found, alone = (rockcli.run(study(model, **case)) for model in ("auto", "flexible"))
+    rigid_base = rockcli.run(study("flexible", **{**case, "base": {"law": "rigid"}}))
+    assert abs(float(rigid_base.theta_peak_over_alpha - alone.theta_peak_over_alpha)) > auto.TOLERANCE
+    assert int(found.model_used) == FLAGS["flexible_winkler"]
+    assert float(found.theta_peak_over_alpha) == pytest.approx(float(alone.theta_peak_over_alpha))
+    batch = batch_of(**case)
+    assert auto.prospect(batch, groups(batch)) == "flexible on winkler"
+    weak = {**case, "motion": {"record": {"file": "synthetic_soil_m70.AT2", "pga_over_g_tan_alpha": 0.4}}}
+    assert decide(batch_of(**weak)).candidate.tolist() == [FLAGS["flexible"]]
+
+
 def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> None:
     a = "motion.pulse.a_p_over_g_tan_alpha"
     case = {"block": {"R": 1.0, "tan_alpha": 0.15}, "column": CONCRETE, "vary": {a: {"from": 0.6, "to": 9, "n": 23}}}
