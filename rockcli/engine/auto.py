@@ -16,6 +16,7 @@ from rockcli.engine.backends import choose
 from rockcli.scene.auto import (
     AT_REST,
     COLUMN,
+    DECIDES,
     FREE_OVER_CLAMPED,
     NONE,
     PAYS,
@@ -33,6 +34,7 @@ from rockcli.scene.auto import (
     doubt,
     expected_errors,
     groups_of,
+    outcomes_alone,
     outside,
     sentence,
     sentences,
@@ -129,7 +131,7 @@ def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
     serves = (bending + opening <= tolerance) | ((opening <= tolerance) if reference == WINKLER else False)
     at_rest = still(found)
     # a search stays near the boundary of overturning, where cheap models cannot be trusted
-    near_boundary = batch.save.scalars == frozenset({"outcome"})
+    near_boundary = outcomes_alone(batch)
     tried = ~at_rest & (chance(found, serves) >= PAYS) & (not near_boundary)
     class_found, moves = np.full(batch.size, STILL), ~at_rest
     if tried.any():
@@ -147,7 +149,7 @@ def _with_column(batch: Batch, found: Groups, reference: int) -> Choice:
         doing = RIGID_CLASSES[class_found[i]]
         if not seen[i]:
             seldom = "the rigid block is seldom accurate enough in such cases"
-            why = "only it decides whether the body overturns" if near_boundary else seldom
+            why = DECIDES if near_boundary else seldom
         elif as_rigid[i]:
             why = f"the rigid block is accurate enough: {doing}"
         else:
@@ -167,8 +169,11 @@ def _at(errors: Array, class_found: NDArray[np.int64]) -> Array:
     return np.asarray(np.take_along_axis(errors, class_found[:, None], axis=1)[:, 0])
 
 
-def prospect(batch: Batch) -> list[tuple[str, str, float | str]]:
-    """(key, words, value) about the first case before anything is solved: tolerance, groups, what to expect."""
+def prospect(batch: Batch, searched: bool) -> list[tuple[str, str, float | str]]:
+    """(key, words, value) about the first case before anything is solved: tolerance, groups, what to expect.
+
+    `searched`: whether overturning is searched for.
+    """
     assert batch.tolerance is not None
     first = batch.rows(np.zeros(1, dtype=np.int64))
     found = groups(first)
@@ -192,7 +197,7 @@ def prospect(batch: Batch) -> list[tuple[str, str, float | str]]:
         ]
     if first.base is not None:
         said.append(("opening", "rotation at which the base opens over alpha", float(found.opening[0])))
-    return [*said, ("takes", "auto takes", words_of_prospect(first, found))]
+    return [*said, ("takes", "auto takes", words_of_prospect(first, found, searched))]
 
 
 def try_rigid(batch: Batch) -> tuple[Array, Array]:

@@ -160,7 +160,7 @@ def _preview(study: Study) -> Preview:
         cases=study.size,
         axes=tuple((axis.name, axis.path, axis.size) for axis in study.axes),
         body=tuple(_body(batch)),
-        model=tuple(_model(batch)),
+        model=tuple(_model(batch, study.search is not None)),
         motion=tuple(_motion(batch)),
         processing=study.processing,
         backend=_backend(batch),
@@ -300,11 +300,11 @@ def _edges(block: Block) -> list[tuple[str, str, int]]:
     return [("_left", ", left edge", LEFT), ("_right", ", right edge", RIGHT)]
 
 
-def _model(batch: Batch) -> list[Row]:
+def _model(batch: Batch, searched: bool) -> list[Row]:
     damping, column = batch.damping, batch.column
     rows = [Row("model", "model", batch.model)]
     if batch.model == AUTO:
-        rows += [Row(*said) for said in prospect(batch)]
+        rows += [Row(*said) for said in prospect(batch, searched)]
     if batch.geometry is not None:
         rows.append(Row("geometry", "geometry", batch.geometry))
     if column is not None and np.isfinite(column.E[0]):

@@ -17,6 +17,7 @@ from rockcli.scene.auto_table import CHANCES, EXCEEDED, TABLES, TRIED
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Pulses, Samples
 from rockcli.scene.laws.models import FLEXIBLE
+from rockcli.scene.variables import SCALARS_AUTO
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -78,6 +79,9 @@ PERIODS: dict[str, float] = {
 }
 """Pulse shapes of the calibration: periods T_p that they last there.  In longer trains a column builds up vibrations
 and rocks where the table says that it stays at rest."""
+
+DECIDES = "only it decides whether the body overturns"
+"""Why the reference is taken of bodies that move where outcomes alone are asked for."""
 
 STILL = 0
 """The class of RIGID_CLASSES known without a trial: a body that 5 % more motion does not lift stays at rest."""
@@ -282,8 +286,18 @@ def sentences(write: Callable[[int], str], *columns: NDArray[np.generic]) -> lis
     return [written[k] for k in place.tolist()]
 
 
-def prospect(batch: Batch, groups: Groups) -> str:
-    """What would be chosen for the first case of a batch, as far as the table says it before anything is solved."""
+def outcomes_alone(batch: Batch) -> bool:
+    """Whether nothing but outcomes is asked for, as in a search for overturning, and perhaps what model gave them."""
+    return batch.save.scalars - {*SCALARS_AUTO, "reason"} == {"outcome"}
+
+
+def prospect(batch: Batch, groups: Groups, searched: bool = False) -> str:
+    """What would be chosen for the first case of a batch, as far as the table says it before anything is solved.
+
+    Args:
+        batch, groups: a case.
+        searched: whether it is one of a search for overturning.
+    """
     assert batch.tolerance is not None
     reference, tolerance = candidate_of_reference(batch), float(batch.tolerance[0])
     top, why = _name(reference), outside(batch, groups)[0]
@@ -291,6 +305,8 @@ def prospect(batch: Batch, groups: Groups) -> str:
         return f"{top}, the highest model of this body: it has no column"
     if why:
         return f"{top}, the highest model of this body: {why}"
+    if (searched or outcomes_alone(batch)) and not still(groups)[0]:
+        return f"{top}, the highest model of this body: {DECIDES}"
     words = RIGID_CLASSES[: STILL + 1] if still(groups)[0] else RIGID_CLASSES
     bending, opening = expected_errors("rigid", groups)[:1], np.zeros(1)
     if reference == WINKLER:

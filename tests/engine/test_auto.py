@@ -11,6 +11,7 @@ import pytest
 
 import rockcli
 from rockcli.engine.auto import decide, groups, peak_of, try_rigid
+from rockcli.engine.preview import preview
 from rockcli.errors import StudyError
 from rockcli.scene import auto
 from rockcli.scene.auto_table import CHANCES, TABLES
@@ -205,6 +206,26 @@ def test_a_search_finds_the_threshold_of_the_highest_model() -> None:
     found, alone = (rockcli.run(study(m, **case)).a_p_over_g_tan_alpha_overturning for m in ("auto", "flexible"))
     assert np.isfinite(float(alone))
     assert float(found) == pytest.approx(float(alone), rel=auto.TOLERANCE)
+
+
+def test_where_outcomes_alone_are_asked_for_the_column_decides_and_check_says_so() -> None:
+    a, motion = "motion.pulse.a_p_over_g_tan_alpha", {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 1.5}}
+    case = {"block": MONUMENT, "column": STIFF, "motion": motion}
+    said = []
+    for vary, scalars in (
+        ({}, None),
+        ({a: {"from": 1.5, "to": 6, "n": 5, "find": "overturning"}}, None),
+        ({}, ["outcome"]),
+        ({}, ["outcome", "model_used", "reason"]),
+    ):
+        asked = study(**case, vary=vary)
+        if scalars:
+            asked["save"]["scalars"] = scalars
+        said.append({row.key: row.value for row in preview(open_study(asked)).model}["takes"])
+    assert str(said[0]).startswith("rigid if")
+    assert set(said[1:]) == {"flexible, the highest model of this body: only it decides whether the body overturns"}
+    found = rockcli.run(asked)
+    assert int(found.model_used) == FLAGS["flexible"]
 
 
 def test_classes() -> None:
