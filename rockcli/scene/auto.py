@@ -140,7 +140,9 @@ def as_candidate(batch: Batch, candidate: int) -> Batch:
         return replace(batch, model=FLEXIBLE)
     if candidate == COLUMN:
         return replace(batch, model=FLEXIBLE, base=None)
-    return replace(batch, model="rigid", column=None, base=None)
+    # the displacement is that of the same point, whatever the candidate: of the end of the column
+    block = batch.block if batch.column is None else replace(batch.block, top=2.0 * batch.block.h)
+    return replace(batch, model="rigid", block=block, column=None, base=None)
 
 
 def groups_of(batch: Batch, pga: Array, pgv: Array) -> Groups:

@@ -80,6 +80,20 @@ def test_a_stiff_column_is_solved_as_a_rigid_block_and_a_monument_as_a_column() 
         assert np.isnan(float(found.model_error)) == (model == "flexible")
 
 
+def test_displacements_of_a_body_with_a_column_are_those_of_its_end() -> None:
+    """u_top of the rigid block is 2h sin(theta), as of the column, and not that of `block.top`."""
+    motion = {"pulse": {**RICKER, "a_p_over_g_tan_alpha": 1.5, "omega_p_over_p": 8.0}}
+    case = {"block": {"R": 5, "tan_alpha": 0.1, "top": 4}, "motion": motion, "column": {**CONCRETE, "E": "300*GPa"}}
+    found, alone = (rockcli.run(study(model, **case)) for model in ("auto", "flexible"))
+    assert int(found.model_used) == FLAGS["rigid"]
+    assert float(found.u_top_peak) == pytest.approx(10 * np.cos(np.arctan(0.1)) * abs(np.sin(float(found.theta_peak))))
+    assert float(found.u_top_peak) == pytest.approx(float(alone.u_top_peak), rel=0.25)
+    assert any(words.startswith("block.top has no use in model auto") for words in batch_of(**case).warnings)
+    without = {key: value for key, value in case.items() if key != "column"}
+    found = rockcli.run(study(**without))
+    assert float(found.u_top_peak) == pytest.approx(4 * abs(np.sin(float(found.theta_peak))))
+
+
 def test_of_what_overturns_no_model_is_a_number_off() -> None:
     case = {
         "block": MONUMENT,

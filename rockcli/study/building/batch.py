@@ -65,7 +65,7 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         warnings += fema356_warnings(
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
-    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block)]
+    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block, bends=_bends(numbers, model))]
     by = _taken(model, geometry, damping.scheme, numerics.backend)
     _check_rolling(numbers, model, damping)
     slide_rate_0 = _slide_rate(numbers, block)
@@ -215,15 +215,23 @@ def _base(numbers: Numbers, model: str) -> Base | None:
     return Base("winkler", numbers.array(kw), given.fibres)
 
 
-def leaving_its_ground(model: str, geometry: str | None, block: Block) -> list[str]:
-    """Sentences where a model is asked for what it does not describe (2.10), [1.8]."""
+def _bends(numbers: Numbers, model: str) -> bool:
+    """Whether the displacement reported is that of a column's end."""
+    return model in DEFORMABLE or (model == AUTO and _column_said(numbers) is not None)
+
+
+def leaving_its_ground(model: str, geometry: str | None, block: Block, *, bends: bool) -> list[str]:
+    """Sentences where a model is asked for what it does not describe (2.10), [1.8].
+
+    `bends`: whether what moves is the end of a column (`_bends`).
+    """
     said = []
     if geometry == "corotational" and model in ("2", "3"):
         if (block.tan_alpha > 1.0).any():
             said.append(f"model {model} (corotational) never overturns for tan alpha > 1, as the block does (2.10)")
         if (block.tan_alpha <= 1.0).any():
             said.append(f"model {model} (corotational) overturns at asin(tan alpha), not at alpha as the block (2.10)")
-    if model in DEFORMABLE and (np.abs(block.top - 2.0 * block.h) > 1e-9 * block.h).any():
+    if bends and (np.abs(block.top - 2.0 * block.h) > 1e-9 * block.h).any():
         said.append(f"block.top has no use in model {model}: the displacement is that of the column's end, at 2h")
     if (block.rolls & np.isfinite(block.mu)).any():
         said.append(
