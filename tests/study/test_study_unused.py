@@ -28,6 +28,8 @@ def test_a_top_of_its_own_is_said_to_have_no_use_in_a_column(top, said):
     ("case", "who"),
     [
         ({"model": "flexible", "column": {"E": 1e10, "rho": 2000}}, "model flexible"),
+        ({"model": "auto", "column": {"E": 1e10, "rho": 2000}}, "model flexible"),
+        ({"model": "auto"}, ""),
         ({"model": 3, "solver": {"backend": "frame"}}, "backend frame"),
         ({"solver": {"backend": "scipy"}}, "backend scipy"),
         ({"damping": "fema356"}, "backend fema356"),

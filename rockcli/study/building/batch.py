@@ -15,7 +15,7 @@ from rockcli.scene.body.column import ACROSS, Base, Column
 from rockcli.scene.constants import ELEMENTS
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.damping import Damping
-from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE
+from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE, FLEXIBLE
 from rockcli.scene.numerics import Numerics
 from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation
@@ -65,11 +65,13 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         warnings += fema356_warnings(
             numbers, damping.fema356, excitation, moving=bool(theta_0.any() or theta_dot_0.any())
         )
-    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block, bends=_bends(numbers, model))]
+    bends = _bends(numbers, model)
+    warnings += [*numbers.remarks, *leaving_its_ground(model, geometry, block, bends=bends)]
     by = _taken(model, geometry, damping.scheme, numerics.backend)
     _check_rolling(numbers, model, damping)
     slide_rate_0 = _slide_rate(numbers, block)
-    warnings += friction_said(block, slide_rate_0, model, by)
+    # auto takes the column of every body that has one and a mu
+    warnings += friction_said(block, slide_rate_0, FLEXIBLE if bends and model == AUTO else model, by)
     warnings += unused_solver_keys(numbers.case.solver, model, geometry, damping.scheme)
     column, base = _column(numbers, model), _base(numbers, model)
     warnings += _unread_of_column(numbers, model)
