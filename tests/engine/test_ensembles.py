@@ -534,6 +534,21 @@ def test_curves_of_uneven_bodies_begin_where_the_motion_lifts_an_edge(sign):
         assert float(pulses["fragility_begins_at"]) == pytest.approx(begins, rel=1e-12)
 
 
+def test_curves_of_model_auto_begin_where_those_of_the_model_it_takes_do():
+    vary = {"motion.pulse.omega_p": SINES, "motion.pulse.a_p": {"from": 0.5 * G * ALPHA, "to": 6.0 * G * ALPHA, "n": 9}}
+    case = {
+        "block": {"R": 0.75 * G, "alpha": ALPHA},
+        "motion": {"pulse": {"shape": "half_sine", "a_p": 1, "omega_p": 1}},
+    }
+    auto, rigid = (rockcli.run(study(vary=vary, case=case | {"model": model})) for model in ("auto", "rigid"))
+    assert float(auto["fragility_begins_at"]) == pytest.approx(G * np.tan(ALPHA), rel=1e-12)
+    for name in ("fragility_begins_at", "fragility_median", "fragility_beta"):
+        np.testing.assert_array_equal(auto[name], rigid[name])
+    column = {"E": 30e9, "rho": 2500}
+    found = rockcli.run(study(vary=vary, case=case | {"model": "auto", "column": column}))
+    assert float(found["fragility_begins_at"]) == 0.0  # its vibrations may lift it
+
+
 def test_curves_of_slides_begin_where_friction_gives_way():
     low = sliding_study(block={"mu": 0.3})
     data = rockcli.run(low | {"over": low["over"] | {"limits": [{"slide_peak": 0.05}, {"slide_peak": 0.5}]}})

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks, peaks_of_both_signs
 from rockcli.motion.spectrum import forcing, pseudo_acceleration
+from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.laws.models import MODELS
@@ -95,7 +96,8 @@ def moves_at(study: Study, *, slides: bool) -> Array:
     NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies.
     """
     found = np.full(study.size, np.nan)
-    for indices, batch in buildable(study.batches, np.arange(study.size)):
+    for indices, asked in buildable(study.batches, np.arange(study.size)):
+        batch = highest(asked)  # of model auto
         row = MODELS.get((batch.model, batch.geometry))
         if row is None or batch.excitation.vertical is not None or batch.base is not None:
             continue
