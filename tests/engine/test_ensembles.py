@@ -13,11 +13,13 @@ from scipy import integrate, stats
 import rockcli
 from rockcli.analysis.fragility.curves import Seen, curves
 from rockcli.analysis.suites import words
+from rockcli.analysis.suites.intensity import moves_at
 from rockcli.analysis.suites.statistics import with_ensembles
 from rockcli.engine.run import solve
 from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
+from rockcli.scene.response import NO_UPLIFT
 from rockcli.scene.uncertain.statistics import fractile
 from rockcli.storage.contents import Contents, variable_field
 from rockcli.storage.read import from_xarray
@@ -547,6 +549,28 @@ def test_curves_of_model_auto_begin_where_those_of_the_model_it_takes_do():
     column = {"E": 30e9, "rho": 2500}
     found = rockcli.run(study(vary=vary, case=case | {"model": "auto", "column": column}))
     assert float(found["fragility_begins_at"]) == 0.0  # its vibrations may lift it
+
+
+@pytest.mark.parametrize(
+    ("scheme", "begins"),
+    [
+        ({}, 1.0),
+        ({"W_over_Mg": 0.8}, 0.8),
+        ({"fixed_base_period": 0.3}, np.nan),  # S_a(0.3 s), not the PGA, is held against the threshold
+        ({"spectrum": {"shape": "constant", "S_a": 0.3 * G}}, np.nan),
+    ],
+)
+def test_curves_of_fema356_begin_at_its_own_threshold(scheme, begins):
+    """The procedure lets a body rock above (W/Mg) g tan(alpha) of the PGA."""
+    amplitudes = [0.7 * G * np.tan(ALPHA), 0.81 * G * np.tan(ALPHA), 0.99 * G * np.tan(ALPHA), 1.01 * G * np.tan(ALPHA)]
+    motion = {"pulse": {"shape": "sine", "a_p": 1.0, "omega_p": 6.0}}
+    case = {"block": {"R": 0.75 * G, "alpha": ALPHA}, "motion": motion, "damping": {"scheme": "fema356", **scheme}}
+    asked = study(case=case, vary={"motion.pulse.a_p": amplitudes})
+    del asked["over"]
+    at = moves_at(open_study(asked), slides=False)
+    np.testing.assert_allclose(at, begins * G * np.tan(ALPHA), rtol=1e-12)
+    if np.isfinite(begins):
+        np.testing.assert_array_equal(rockcli.run(asked)["outcome"].values != NO_UPLIFT, np.array(amplitudes) > at)
 
 
 def test_curves_of_slides_begin_where_friction_gives_way():

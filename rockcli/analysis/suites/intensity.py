@@ -93,7 +93,7 @@ def moves_at(study: Study, *, slides: bool) -> Array:
 
     If `slides`, at and below which it does not slip either, which friction may allow before.
 
-    NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies.
+    NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies, FEMA-356 on a spectrum.
     """
     found = np.full(study.size, np.nan)
     for indices, asked in buildable(study.batches, np.arange(study.size)):
@@ -115,7 +115,10 @@ def _threshold(batch: Batch) -> Array:
 
     Of two unequal edges each is reached by the motion towards one side alone.
     """
-    alpha = batch.block.alpha
+    alpha, scheme = batch.block.alpha, batch.damping.fema356
+    if scheme is not None:  # its own threshold, of the weaker edge; of the PGA where no spectrum is asked
+        of_pga = np.isnan(scheme.fixed_base_period) & (scheme.spectrum is None)
+        return np.where(of_pga, scheme.W_over_Mg * batch.block.of_weak_edge(batch.block.tan_alpha), np.nan)
     left, right = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha)).threshold.T
     nearer = np.minimum(left, right)
     motion = batch.excitation.horizontal
