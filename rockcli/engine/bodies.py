@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.models import DEFORMABLE, MODELS
@@ -41,7 +42,7 @@ class Bodies:
 
     def add(self, indices: NDArray[np.int64], batch: Batch) -> None:
         """Look at the cases `indices` of the study, which a batch holds."""
-        self._deforms |= batch.model in DEFORMABLE
+        self._deforms |= highest(batch).model in DEFORMABLE
         self._vertical |= batch.excitation.vertical is not None
         numbers = np.column_stack(list(_numbers(batch).values()))
         rounded = np.array([[float(f"{x:.{_DIGITS}g}") for x in row] for row in numbers[:1]])

@@ -28,7 +28,7 @@ from rockcli.engine.speed import slowness
 from rockcli.engine.sweep.history_size import HISTORIES_AT_MOST, histories_size
 from rockcli.engine.sweep.refine import CELLS
 from rockcli.errors import SolverError
-from rockcli.scene.auto import AUTO
+from rockcli.scene.auto import AUTO, highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT, Block
 from rockcli.scene.body.lower_outline import facets_of
@@ -334,7 +334,7 @@ def _motion(batch: Batch) -> list[Row]:
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
-    words = uplift_words(deforms=batch.model in DEFORMABLE, vertical=batch.excitation.vertical is not None)
+    words = uplift_words(deforms=highest(batch).model in DEFORMABLE, vertical=batch.excitation.vertical is not None)
     rows = [Row("uplift_g", words, uplift)]
     rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:

@@ -61,6 +61,8 @@ def test_the_linearized_block_uplifts_at_alpha(checked: Callable[..., Any]) -> N
 def test_uplift_of_a_flexible_column_is_told_as_that_of_a_rigid_body(checked: Callable[..., Any]) -> None:
     column = "block: {height: 30, width: 5}, model: flexible, column: {E: 3e9, rho: 1900, zeta: 0.02}"
     assert "uplift of a rigid body at [g]" in checked(f"{column}, motion: {{{SINE}}}")
+    assert "uplift of a rigid body at [g]" in checked(f"{column.replace('flexible', 'auto')}, motion: {{{SINE}}}")
+    assert "of a rigid body" not in checked(f"{BLOCK}, model: auto, motion: {{{SINE}}}")
     assert "of a rigid body" not in checked(f"{BLOCK}, motion: {{{SINE}}}")
 
 
