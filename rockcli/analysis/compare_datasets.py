@@ -19,7 +19,7 @@ from rockcli.scene.variables import PEAK, SLIDE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 
-OUTCOME = "outcome"
+OUTCOME, SOLVED = "outcome", "solved"
 
 FLOOR = 1e-9
 """Peaks smaller than this differ by no more than it: theta/alpha, or m of a slide, below which nobody cares."""
@@ -38,6 +38,7 @@ class Difference:
 
     Attributes:
         points: points that both have; only_a, only_b: points of one only.
+        filled: points that a refined map of the two did not solve, of which outcomes alone are compared.
         outcomes: points with another outcome; peaks: points with the same outcome and a peak, of the rotation or of
             the slide of a body that stands, beyond the tolerance.
         largest: largest relative difference of two finite peaks, NaN if none can be compared.
@@ -52,6 +53,7 @@ class Difference:
     points: int
     only_a: int
     only_b: int
+    filled: int
     outcomes: int
     peaks: int
     largest: float
@@ -111,7 +113,8 @@ def difference(
         slides = _picked(a, SLIDE, at_a), _picked(b, SLIDE, at_b, a.axes)
         slid, how_far = _apart(*slides, rtol, atol)
         beyond, relative = beyond | (slid & stands), np.fmax(relative, np.where(stands, how_far, np.nan))
-    beyond &= ~other
+    filled = ~(_solved(a, at_a, a.axes) & _solved(b, at_b, a.axes))
+    beyond, relative = beyond & ~(other | filled), np.where(filled, np.nan, relative)
     rank = np.where(other, np.inf, np.where(beyond, np.minimum(relative, 1e300), -1.0)).ravel()
     order = np.argsort(-rank, kind="stable")[:most]
     worst: list[tuple[str, str]] = []
@@ -137,6 +140,7 @@ def difference(
         points=points,
         only_a=int(np.prod(a.shape, dtype=np.int64)) - points,
         only_b=int(np.prod(b.shape, dtype=np.int64)) - points,
+        filled=int(filled.sum()),
         outcomes=int(other.sum()),
         peaks=int(beyond.sum()),
         largest=float(finite.max()) if finite.size else np.nan,
@@ -242,7 +246,7 @@ def _renamed(contents: Contents, names: dict[str, str]) -> Contents:
     fields = {
         names.get(name, name): replace(item, dims=tuple(names.get(dim, dim) for dim in item.dims))
         for name, item in contents.fields.items()
-        if name in (*contents.axes, OUTCOME, PEAK, SLIDE) or FOUND in name
+        if name in (*contents.axes, OUTCOME, PEAK, SLIDE, SOLVED) or FOUND in name
     }
     return Contents(axes, fields, contents.attrs)
 
@@ -279,6 +283,13 @@ def _common(x: NDArray[Any], y: NDArray[Any]) -> tuple[NDArray[np.int64], NDArra
         matched = best >= 0
     rows = np.flatnonzero(matched)
     return rows, best[rows]
+
+
+def _solved(contents: Contents, at: list[NDArray[np.int64]], order: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Which of the shared points were solved; a refined map fills in the outcomes of the others."""
+    if SOLVED not in contents.fields:
+        return np.ones([len(rows) for rows in at], dtype=bool)
+    return np.asarray(_picked(contents, SOLVED, at, order) != 0)
 
 
 def _picked(

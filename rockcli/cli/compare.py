@@ -145,6 +145,8 @@ def _points(found: Difference) -> str:
     from rockcli.cli.progress import counted
 
     words = f"{counted(found.points, 'point')} in both"
+    if found.filled:
+        words += f", {found.filled} of which a refined map filled in: their outcomes alone are compared"
     if found.only_a or found.only_b:
         words += f"; {found.only_a} only in the first, {found.only_b} only in the second: not compared"
     return words

@@ -201,6 +201,33 @@ def test_the_command(first: Contents, tmp_path: Path) -> None:
     assert sum(summary["changes"].values()) == summary["outcomes"]
 
 
+def test_a_refined_map_has_the_peaks_of_what_it_solved(tmp_path: Path) -> None:
+    """Held against the whole map: outcomes everywhere, peaks where it has them; one of these and one outcome changed."""
+    pulse = {"shape": "ricker", "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}
+    vary = {
+        "motion.pulse.omega_p_over_p": {"from": 0.1, "to": 10, "n": 110},
+        "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 10.9, "n": 110},
+    }
+    case = {"block": {"R": 1, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    asked = {"name": "map", "case": case, "vary": vary, "save": {"scalars": ["outcome", PEAK], "histories": False}}
+    refined, whole = (solve(open_study(asked | more)) for more in ({"refine": True}, {}))
+    solved = refined.values("solved") == 1
+    wrong = int((refined.values("outcome") != whole.values("outcome")).sum())
+    found = difference(refined, whole, rtol=1e-6)
+    assert (found.points, found.filled, found.outcomes, found.peaks) == (12100, int((~solved).sum()), wrong, 0)
+    finite = solved & np.isfinite(whole.values(PEAK)) & (whole.values(PEAK) > 0.1)
+    (at, *_), (other, *_) = np.argwhere(finite), np.argwhere(~solved)
+    changed_there = changed(whole, PEAK, tuple(at), 0.05)
+    changed_there = changed(changed_there, "outcome", tuple(other), FAILED)
+    found = difference(changed_there, refined, rtol=1e-6)
+    assert (found.outcomes, found.peaks) == (wrong + 1, 1)
+    paths = [str(tmp_path / "a.nc"), str(tmp_path / "b.nc")]
+    for path, contents in zip(paths, (refined, whole), strict=True):
+        netcdf.write(contents, Path(path))
+    told = CliRunner().invoke(app, ["compare", *paths]).stdout
+    assert f"{int((~solved).sum())} of which a refined map filled in" in told
+
+
 def test_changes_of_the_outcome_are_counted(first: Contents) -> None:
     before = after = first
     for at, one, other in (((1, 0), NO_UPLIFT, ROCKING), ((2, 0), ROCKING, FAILED), ((2, 1), ROCKING, FAILED)):
