@@ -64,7 +64,7 @@ def identify(
         raise StudyError(f"--fit {wrong[0]}: expected eta, alpha or p")
     source = _source(study, alpha, p)
     if out is not None:
-        check_fit_place(out)
+        check_fit_place(out, file)
     measured = read_measured(file, degrees=degrees)
     guess = guess_of(source)
     if measured.time is None:

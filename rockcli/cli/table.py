@@ -62,10 +62,12 @@ def table(
     Accelerations are in g, as in figures, all else in SI units; heads say which.  Printed with six digits; files have
     every digit.  Histories are in no table.
     """
+    import json
+
     from rockcli.errors import StudyError
     from rockcli.scene.units import SI
     from rockcli.storage.contents import OF_TABLES
-    from rockcli.storage.places import check_file
+    from rockcli.storage.places import check_file, check_not_read
     from rockcli.storage.table import CASES, opened, table_of, units_of
     from rockcli.storage.table_files import write
 
@@ -89,6 +91,7 @@ def table(
             _print(found, rows, always=always)
         else:
             check_file(out)
+            check_not_read(out, json.loads(str(attrs.get("inputs", "{}"))).values())
             write(found, out)
             say(str(out))
 

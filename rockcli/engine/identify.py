@@ -327,15 +327,17 @@ def _note_of_neighbours(correlation: float) -> tuple[str, ...]:
     )
 
 
-def check_fit_place(path: Path) -> None:
+def check_fit_place(path: Path, measured: Path) -> None:
     """Refuse a place for the fit before anything is fitted.
 
     Raises:
-        StudyError: its name ends as no format does, or nothing can be written there.
+        StudyError: its name ends as no format does, nothing can be written there, or what was measured would be lost.
     """
     if _ending(path) not in ("csv", *FORMATS):
         raise StudyError(f"--out {path}: expected a name that ends in .csv, .{', .'.join(FORMATS)}")
     check_file(path)
+    if path.exists() and measured.exists() and path.samefile(measured):
+        raise StudyError("is what was measured, and would be lost: give another name", file=path)
 
 
 def _ending(path: Path) -> str:

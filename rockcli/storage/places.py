@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -84,6 +85,19 @@ def check_file(path: Path) -> None:
     mode = _mode(path)
     if mode is not None and stat.S_ISDIR(mode):
         raise StudyError("is a folder where a file is to be written", file=path)
+
+
+def check_not_read(path: Path, hashes: Collection[str]) -> None:
+    """`StudyError` if the file that would be replaced is of these SHA-256: one that the results were made of."""
+    if not path.is_file():
+        return
+    try:
+        with path.open("rb") as stream:
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return
+    if digest in hashes:
+        raise StudyError("is a file that the results were made of, and would be lost: give another name", file=path)
 
 
 def _mode(path: Path) -> int | None:

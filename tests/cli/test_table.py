@@ -267,6 +267,19 @@ def test_the_dataset_has_the_columns_of_a_table(rock, tmp_path):
     assert shelf.split(",")[:6] == ["shelf", "1.8", "", "synthetic_rock_m65.AT2", "101", "x"]
 
 
+def test_a_table_does_not_replace_the_list_that_the_study_was_made_of(rock, tmp_path, capsys):
+    listed = "name,block.height\nshelf,1.8\nrack,2.0\n"
+    (tmp_path / "bodies.csv").write_text(listed)
+    body = "case: {block: {height: 1, width: 0.4}, initial: {theta: 0.05}}"
+    (tmp_path / "s.yaml").write_text(f"name: s\n{body}\nvary: {{case: bodies.csv}}\n")
+    assert rock("run", tmp_path / "s.yaml", "--no-plots") == 0
+    assert rock("table", "results/s/s.nc", "--out", "bodies.csv") == 2
+    assert "bodies.csv: is a file that the results were made of" in capsys.readouterr().err
+    assert (tmp_path / "bodies.csv").read_text() == listed
+    for _ in range(2):  # a table of results is replaced
+        assert rock("table", "results/s/s.nc", "--out", "results/bodies.csv") == 0
+
+
 def test_tables_of_a_suite_have_what_was_said_of_the_bodies(rock, tmp_path, capsys):
     (tmp_path / "list.csv").write_text(
         "name,block.R,block.alpha,# room\nslender,1.0,0.1,101\nstout,2.0,0.2,7\n", encoding="utf-8"

@@ -206,6 +206,16 @@ def test_a_place_that_cannot_be_is_refused_before_anything_is_fitted(tmp_path, m
         assert why in str(wrong.exception)
 
 
+def test_the_fit_does_not_replace_what_was_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr(identify, "identify_amplitudes", None)
+    peaks = write(tmp_path / "peaks.csv", amplitudes(6))
+    before = Path(peaks).read_text()
+    wrong = CliRunner().invoke(app, ["identify", str(peaks), "--alpha", ".25", "--out", str(peaks)])
+    assert isinstance(wrong.exception, StudyError)
+    assert "is what was measured" in str(wrong.exception)
+    assert Path(peaks).read_text() == before
+
+
 def test_the_figure_shows_both_and_the_residuals() -> None:
     from rockcli.plotting.fit import figure
 
