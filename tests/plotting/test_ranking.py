@@ -10,6 +10,7 @@ from plotting.test_widths import check_words
 
 import rockcli
 from rockcli.plotting import figures
+from rockcli.plotting.kinds import ranking
 from rockcli.scene.looks import Look
 
 G = 9.81
@@ -153,6 +154,17 @@ def test_more_than_a_page_are_the_worst_and_the_note_says_so():
     peaks = dict(zip(dataset["block"].values, dataset["theta_peak_over_alpha"].values, strict=True))
     assert min(peaks[name] for name in rows(figure)) >= max(p for n, p in peaks.items() if n not in rows(figure))
     assert "ranking" in figures.default_kinds(dataset)
+
+
+def test_axis_and_note_are_of_the_rows_shown(monkeypatch):
+    """Of bodies that are left out the limits took most of the width, and medians beyond the suite were counted."""
+    monkeypatch.setattr(ranking, "_MOST_ROWS", 1)
+    dataset = of_a_suite(**{"motion.pulse.a_p": [0.1 * G, 0.2 * G, 0.25 * G]}, over={"along": "a_p"})
+    figure = figures.figure("ranking", dataset)
+    assert rows(figure) == ["slim"]
+    assert "beyond" not in figure.get_label()  # that of `tall` is
+    high = float(dataset["fragility_median_ci_high"].isel(limit_state=-1).sel(block="slim")) / G
+    assert figure.axes[0].get_xlim()[1] == pytest.approx(1.05 * high)
 
 
 def test_numbers_alone_have_no_ranking():

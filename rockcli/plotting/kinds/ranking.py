@@ -84,6 +84,11 @@ class _Panel:
         """Whether any limits lie apart."""
         return self.limits is not None and bool((self.limits[0] < self.limits[1]).any())
 
+    def of(self, rows: NDArray[np.intp]) -> _Panel:
+        """The same of some rows, in their order."""
+        limits = None if self.limits is None else (self.limits[0][rows], self.limits[1][rows])
+        return _Panel(self.label, self.values[rows], limits)
+
 
 def along(dataset: xarray.Dataset) -> str | None:
     """The longest axis of names: of those that a suite leaves, or of its members where it leaves none."""
@@ -119,6 +124,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = pick(dataset, MOST_CURVES, others)
     panels, reasons = _read(dataset, axis, shown)
     order = _worst_first(dataset, panels, reasons)[:_MOST_ROWS]
+    panels = [panel.of(order) for panel in panels]
     columns = [r for r in (*STRIP, _NO_CURVE, _NEVER, _ALWAYS) if r in reasons and reasons[r][order].any()]
     natural = SINGLE * 1.3 if len(panels) == 1 else DOUBLE
     width = width_or(natural)
@@ -132,13 +138,13 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(1, len(widths), sharey=True, squeeze=False, width_ratios=widths)[0]
     beside = [grid[0], *grid[1 + len(strip) :]]
     for axes, panel in zip(beside, panels, strict=True):
-        _draw_panel(axes, panel, order, shown)
+        _draw_panel(axes, panel, shown)
     if columns:
         _draw_strip(grid[1], columns, reasons, order)
     first = grid[0]
     first.set_yticks(range(len(order)), names, fontsize=7.5, linespacing=1.0)
     first.set_ylim(len(order) - 0.4, -0.6)
-    headline(figure, title_of(dataset), "; ".join(filter(None, _notes(dataset, len(order), shown, total, panels))))
+    headline(figure, title_of(dataset), "; ".join(filter(None, _notes(dataset, axis, order, shown, total, panels))))
     if len(shown) > 1:
         legend_of(figure, first, 3)
     fit_panels(figure, first, row * (len(order) + 0.4))
@@ -231,14 +237,14 @@ def _worst_first(dataset: xarray.Dataset, panels: list[_Panel], reasons: Reasons
     return np.lexsort([-column for column in reversed(columns)])
 
 
-def _draw_panel(axes: Axes, panel: _Panel, order: NDArray[np.intp], shown: list[Shown]) -> None:
+def _draw_panel(axes: Axes, panel: _Panel, shown: list[Shown]) -> None:
     apart = min(_APART, _ACROSS / max(len(shown) - 1, 1))
     for number, case in enumerate(shown):
-        y = np.arange(len(order)) + apart * (number - 0.5 * (len(shown) - 1))  # so that alike ones are all seen
-        x, colour = panel.values[order, number], COLOURS[number]
+        y = np.arange(len(panel.values)) + apart * (number - 0.5 * (len(shown) - 1))  # so that alike ones are all seen
+        x, colour = panel.values[:, number], COLOURS[number]
         x = np.where(np.isfinite(x), x, np.nan)
         if panel.barred:
-            low, high = (end[order, number] for end in panel.limits or ())
+            low, high = (end[:, number] for end in panel.limits or ())
             wide = np.isfinite(low) & np.isfinite(high) & (low < high)
             axes.hlines(y[wide], low[wide], high[wide], color=colour, linewidth=0.9, zorder=2)
         elif len(shown) == 1:
@@ -277,16 +283,21 @@ def _draw_strip(axes: Axes, columns: list[str], reasons: Reasons, order: NDArray
     axes.spines["bottom"].set_visible(False)
 
 
-def _notes(dataset: xarray.Dataset, rows: int, shown: list[Shown], total: int, panels: list[_Panel]) -> list[str]:
-    axis = along(dataset)
-    n = int(dataset.sizes[axis]) if axis else rows
-    some = selection_note(rows, n, "rows")
+def _notes(
+    dataset: xarray.Dataset,
+    axis: str,
+    order: NDArray[np.intp],
+    shown: list[Shown],
+    total: int,
+    panels: list[_Panel],
+) -> list[str]:
+    some = selection_note(len(order), int(dataset.sizes[axis]), "rows")
     suite = _suite(dataset)
     members = members_word(end_to_end(dataset), suite) if suite is not None else ""
     far, bars, missing = 0, "", ""
     if suite is not None and _ranked(dataset) == CAPACITY:
         missing = left_out_words(end_to_end(dataset), suite, shown)
-        beyond = medians_beyond(dataset.isel(limit_state=-1))
+        beyond = medians_beyond(dataset.isel({"limit_state": -1, axis: order}))
         far = sum(int(beyond.isel({a: i for a, i in case.place.items() if a in beyond.dims}).sum()) for case in shown)
     if panels[0].barred:
         bars = "bars: 95 % limits" if _ranked(dataset) == CAPACITY else "bars: as members without an answer may go"
