@@ -140,7 +140,9 @@ class TestForms:
             ("name,R,R\na,1,2\n", "repeats"),
             ("name,r\na,1\n", "did you mean 'block.R'"),
             ("name,R,room\na,1,12\n", r"'block.room' is not a path .* of notes begins with # \(# room\)"),
-            ("name,R\na,1\na,2\n", "repeats 'a'"),
+            ("name,R\na,1\na,2\n", r"t\.csv:3: repeats 'a', which names line 2"),
+            ("name,R\na,1\nb,2\nb,2\na,3\n", r"t\.csv:4: repeats 'b', .* line 3: [\s\S]*line 5: repeats 'a'"),
+            ('name,R,# note\na,1,"two\nlines"\nb,,x\n', r"t\.csv:4: the cell below 'R' is empty"),
             ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing; leave one out$"),
             (
                 "name,height,width,h\na,2,0.5,0.9\n",
@@ -170,6 +172,10 @@ class TestForms:
         (tmp_path / "t.csv").write_text(text, encoding="utf-8")
         with pytest.raises(StudyError, match=words):
             study_of({"block": "t.csv"}, tmp_path)
+
+    def test_a_workbook_is_to_be_saved_as_csv(self, tmp_path):
+        with pytest.raises(StudyError, match=r"vary.case is 'list.XLSX': save its sheet as CSV in UTF-8, commas"):
+            study_of({"case": "list.XLSX"}, tmp_path)
 
     def test_a_wrong_cell_is_told_with_its_line(self, tmp_path):
         rows = [f"body {i},{-0.5 if i in (3, 11, 12) else 0.5},{'0.8 m' if i == 7 else 0.8}" for i in range(2, 15)]

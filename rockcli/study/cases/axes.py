@@ -52,6 +52,8 @@ IN_OTHER_WORDS = {
 }
 """What other programs call the keys of a range."""
 
+_SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
+"""Endings of what a list of bodies may be kept in, and which is not read."""
 
 _SYMBOL_PATHS = (("case", "block"), ("case", "g"))
 """What the symbols of expressions come from, beside `let`."""
@@ -167,6 +169,8 @@ class _Reader:
             return self.table(entry)
         if isinstance(entry, str) and self.is_file:
             return self.matched(entry)
+        if isinstance(entry, str) and entry.lower().endswith(_SHEETS):
+            raise self.fail(f"is {describe(entry)}: save its sheet as CSV in UTF-8, commas between the cells")
         expected = (
             "a list, a range {from, to, n, spacing}, named settings {label: value}, a CSV file or a glob of records"
         )

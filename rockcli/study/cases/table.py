@@ -59,10 +59,10 @@ def read_table(name: str, source: Source, where: Where) -> Table:
         raise source.placed(where, f"the table {path} does not exist")
     data = source.inputs.read(name, path)
     try:
-        lines = list(csv.reader(io.StringIO(text_of(data, path), newline=""), skipinitialspace=True))
+        lines = _lines(text_of(data, path))
     except csv.Error as error:
         raise StudyError(f"is no CSV text: {error}", file=path) from None
-    rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
+    rows = [(i, [cell.strip() for cell in row]) for i, row in lines if any(map(str.strip, row))]
     if rows and len(rows[0][1]) == 1:
         _check_separators(path, *rows[0])
     if len(rows) < 2 or len(rows[0][1]) < 2:
@@ -98,6 +98,16 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]], notes)
 
 
+def _lines(text: str) -> list[tuple[int, list[str]]]:
+    """The rows of a table, each with the line it begins in: cells in quotation marks may go over several."""
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    rows, begins = [], 1
+    for row in reader:
+        rows.append((begins, row))
+        begins = reader.line_num + 1
+    return rows
+
+
 def _value(cell: str) -> Any:
     """A cell: a scalar, or in square brackets a list of them, as the two sides of a base (`[0.2, 0.35]`)."""
     if cell.startswith("[") and cell.endswith("]"):
@@ -112,9 +122,13 @@ def _without_blank_columns(rows: list[tuple[int, list[str]]]) -> list[tuple[int,
 
 
 def _check_cells(path: Path, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
-    """Refuse cells that are empty or a number that is none: all of them at once, as spreadsheets have many."""
+    """Refuse cells that are empty or a number that is none, and names that repeat: all at once, as lists have many."""
     complaints = Complaints()
+    first: dict[str, int] = {}
     for i, row in rows:
+        if row[0] and first.setdefault(row[0], i) != i:
+            wrong = f"repeats {row[0]!r}, which names line {first[row[0]]}: every point has a name of its own"
+            complaints.note(StudyError(wrong, file=path, line=i))
         for k, (column, cell) in enumerate(zip(header, row, strict=True)):
             if not cell or (k and cell.lower() in _NOTHING):
                 none = "or null for none, also where the base case has one"
