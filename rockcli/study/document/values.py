@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from rockcli.scene.laws.damping import HOUSNER
-from rockcli.scene.variables import SCALARS
+from rockcli.scene.variables import IMPACT, SCALARS, TIME, VARIABLES
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.tree import nearest
 
@@ -131,8 +131,16 @@ def _scalars(value: Any) -> Any:
         raise ValueError(f"`all` or a list of scalars is expected, not {describe(value)}")
     for name in value:
         if name not in SCALARS:
-            raise ValueError(f"{describe(name)} is no scalar; {nearest(str(name), SCALARS)}")
+            raise ValueError(f"{describe(name)} is {_why_no_scalar(str(name))}")
     return value
+
+
+def _why_no_scalar(name: str) -> str:
+    if name not in VARIABLES:
+        return f"no scalar; {nearest(name, SCALARS)}"
+    if VARIABLES[name].over in (TIME, IMPACT):
+        return "a history: `histories: true` saves it"
+    return "in the dataset without being listed, where there is one: leave it out"
 
 
 def _histories(value: Any) -> Any:
