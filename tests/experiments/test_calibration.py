@@ -323,12 +323,16 @@ def test_what_is_no_calibration_of_these_bodies_is_refused(rock, experiments, ca
     study, table = experiments / "study.yaml", experiments / "a.csv"
     assert rock("calibrate", study, table, "--out", "a.json") == 0
     Path("few.csv").write_text("\n".join(table.read_text().split("\n")[:10]) + "\n")
+    head, *lines = table.read_text().split()
+    both = [f"{head},specimen", *(f"{line},{'left' if i % 2 else 'right'}" for i, line in enumerate(lines))]
+    Path("both.csv").write_text("\n".join(both) + "\n")
     Path("none.json").write_text("{}")
     Path("cut.json").write_text(Path("a.json").read_text()[:500])
     Path("odd.json").write_text(Path("a.json").read_text().replace('"bodies": 24', '"bodies": 23'))
     capsys.readouterr()
     for arguments, words in (
         (("calibrate", study, "few.csv", "--out", "b.json"), "at least 10"),
+        (("calibrate", study, "both.csv", "--out", "b.json"), "2 specimens (left, right): choose one with --specimen"),
         (("calibrate", study, table, "--out", "b.txt"), "expected .json"),
         (("score", study, table, "--calibration", "lost.json"), "no such file"),
         (("score", study, table, "--calibration", "none.json"), "no calibration"),

@@ -135,10 +135,9 @@ def calibrate(
     """
     if runs.size < LEAST:
         raise StudyError(f"a calibration needs at least {LEAST} runs, and has {runs.size}", file=runs.file)
-    if len(set(runs.specimen)) > 1:
-        raise StudyError(
-            f"has {len(set(runs.specimen))} specimens: choose one, as each has its own errors", file=runs.file
-        )
+    if len(names := sorted(set(runs.specimen))) > 1:
+        mend = "choose one with --specimen, as each has its own errors"
+        raise StudyError(f"has {len(names)} specimens ({', '.join(names)}): {mend}", file=runs.file)
     known = simulate(source, runs, AMPLITUDES.tolist(), team=team, progress=progress)
     return Calibration(known, runs.outcome, runs.labels, runs.file.name, runs.session, runs.grouped_by)
 
