@@ -51,6 +51,10 @@ class TestDoubts:
         [
             (0.5, ""),
             (5, "theta/alpha > 5 is exceeded by hardly a body that does not overturn"),
+            ("1/4", ""),
+            ("5*deg", "5*deg is taken as theta/alpha > 0.0872665, deg being a unit: limits of the rotation are shares"),
+            ("50*mm", "mm being a unit: limits of the rotation are shares of alpha; of the slide they are {slide_peak"),
+            ({"slide_peak": "50*mm"}, ""),
             ({"slide_peak": 0.05}, ""),
             ({"slide_residual": 50}, "a slide of 50 m: limits of the slide are in metres"),
         ],

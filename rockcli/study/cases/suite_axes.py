@@ -9,7 +9,7 @@ from typing import Any
 from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
-from rockcli.study.document.expressions import ExpressionError, number_of, stated_number
+from rockcli.study.document.expressions import UNITS, ExpressionError, number_of, parse, stated_number
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import GROUND, KNOWN, OF_GROUND, bare, period_of
@@ -101,6 +101,12 @@ def doubted_limits(said: OverPart | None, over: Over | None, unheld: str | None)
             f"over.limits: theta/alpha > {beyond[0]:g} is exceeded by hardly a body that does not overturn: limits of "
             "the rotation are shares of alpha, not angles"
         )
+    for value in limits:
+        if isinstance(value, str) and (units := sorted(parse(value).names & UNITS.keys())):
+            yield (
+                f"over.limits: {value} is taken as theta/alpha > {number_of(value):g}, {units[0]} being a unit: limits "
+                "of the rotation are shares of alpha; of the slide they are {slide_peak: 0.05} [m]"
+            )
 
 
 def of_search(source: Source, study: Map, over: Over, search: Searched, axes: Sequence[Axis]) -> Over:
