@@ -140,6 +140,7 @@ WRONG = [
     ("damping: restitution", "damping: {eta: housnr}", 7, ["case.damping.eta", "did you mean 'housner'"]),
     ("damping: restitution", "solver: {events: 3}", 7, ["case.solver.events is 3; expected true or false"]),
     ("let: {gamma: 5}", "save: {scalars: [outcom]}", 2, ["save.scalars", "did you mean 'outcome'"]),
+    ("omega_p: 2*pi", "T: 2*pi", 5, ["case.motion.pulse.T:", "did you mean 'T_p'?"]),
     ("let: {gamma: 5}", "save: {scalars: [pga]}", 2, ["'pga' is in the dataset without being listed", "leave it out"]),
     ("let: {gamma: 5}", "save: {scalars: [a_g]}", 2, ["'a_g' is a history: `histories: true` saves it"]),
     ("let: {gamma: 5}", "save: {dt_out: 0}", 2, ["save.dt_out", "greater than 0"]),

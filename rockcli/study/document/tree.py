@@ -147,8 +147,11 @@ def put_at(tree: Any, keys: tuple[str, ...], value: Any) -> Any:
 
 
 def meant(key: str, known: Iterable[str]) -> str | None:
-    """The known key that is nearest to what is written; None if none is near."""
+    """The known key nearest to what is written, or that begins with it and `_`, as T_p of T; None if none is near."""
     lowered = {name.lower(): name for name in reversed(list(known))}
+    longer = [name for name in lowered if name.startswith(f"{key.lower()}_")]
+    if longer and key.lower() not in lowered:
+        return lowered[longer[-1]]
     close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=0.55)
     return lowered[close[0]] if close else None
 
