@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 import rockcli
 from rockcli.cli.main import app
 from rockcli.engine.run import solve
+from rockcli.plotting.common.table import case_table
 from rockcli.plotting.page.facts import facts_of, sentence_of
 from rockcli.plotting.page.page import page
 from rockcli.storage import netcdf
@@ -411,6 +412,25 @@ def test_a_figure_that_leaves_out_bodies_says_how_they_are_drawn() -> None:
         for kind in ("ida", "fragility"):
             said = f"6 of 8 panels shown.*others: rock plot many.nc --kind {kind} --select AXIS=VALUE, of h, b<"
             assert bool(re.search(said, text)) is left_out
+
+
+def test_a_refined_map_is_summed_up_over_what_was_solved() -> None:
+    pulse = {"shape": "ricker", "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}
+    axes = {
+        "motion.pulse.omega_p_over_p": {"from": 0.1, "to": 10, "n": 100},
+        "motion.pulse.a_p_over_g_tan_alpha": {"from": 1, "to": 10.9, "n": 100},
+    }
+    case = {"block": {"R": 1, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    data = rockcli.run({"name": "map", "case": case, "vary": axes, "refine": True})
+    solved = data["solved"].values == 1
+    assert not solved.all()
+    _, rows, note = case_table(data)
+    assert note.startswith("over the solved cases")
+    told = {row[0]: row[1:] for row in rows}
+    impacts = data["n_impacts"].values[solved]
+    assert told["n_impacts"][0] == "0"  # what was filled in has -1
+    assert told["n_impacts"][2] == f"{np.median(impacts):.6g}"
+    assert told["theta_peak_over_alpha"][-1] == str(int(np.isinf(data["theta_peak_over_alpha"].values[solved]).sum()))
 
 
 def test_sentences_on_a_suite_keep_the_names_of_symbols() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from rockcli.plotting.common.cases import axes_of, is_numeric, number_at, outcome_at, thresholds_in
 from rockcli.plotting.common.labels import shown_unit, unit_in_brackets
 from rockcli.scene.thresholds import BESIDE, BRACKETED, FOUND, IN_RANGE, STATES
+from rockcli.scene.variables import COUNTS
 
 if TYPE_CHECKING:
     import xarray
@@ -52,17 +53,21 @@ def case_table(dataset: xarray.Dataset) -> Table:
 def _summary(dataset: xarray.Dataset) -> Table:
     header = ["", "smallest", "16th percentile", "median", "84th percentile", "largest", "no finite value"]
     rows = []
+    refined = "solved" in dataset.variables
     found = [name for name in _thresholds(dataset) if name.endswith(FOUND) or "prescreen" in name]
     for name in (*found, *(name for name in _SUMMED_UP if name in dataset.variables)):
         divisor, unit = shown_unit(dataset, name)
         values = np.asarray(dataset[name].values, dtype=float).ravel() / divisor
-        finite = values[np.isfinite(values)]
+        if refined:
+            values = values[np.asarray(dataset["solved"].values, dtype=bool).ravel()]
+        finite = values[np.isfinite(values) & ~((values < 0.0) & (name in COUNTS))]  # -1: not counted
         if finite.size:
             spread = np.percentile(finite, [0, 16, 50, 84, 100])
             rows.append(
                 [name + unit_in_brackets(unit), *(_word(float(x)) for x in spread), str(values.size - finite.size)]
             )
-    return header, rows, "over the cases with a finite value: overturned cases have no peak"
+    which = "solved cases" if refined else "cases"
+    return header, rows, f"over the {which} with a finite value: overturned cases have no peak"
 
 
 def _thresholds(dataset: xarray.Dataset) -> list[str]:
