@@ -414,6 +414,22 @@ def test_a_figure_that_leaves_out_bodies_says_how_they_are_drawn() -> None:
             assert bool(re.search(said, text)) is left_out
 
 
+def test_bodies_left_out_of_samples_are_chosen_by_the_sample() -> None:
+    """Whatever the suite is over: the command named no axis behind its `of`."""
+    study = {
+        "name": "many",
+        "case": SUITE["case"] | {"block": {"height": 2.0, "width": 0.5}},
+        "vary": {"motion.pulse.T_p": [0.5, 0.8]},
+        "uncertain": {"block.width": {"uniform": [0.4, 0.6]}},
+        "samples": 8,
+        "over": ["T_p", "sample"],
+        "save": {"histories": False},
+    }
+    text = page(rockcli.run(study), [])
+    assert "6 of 8 bodies shown; the figure names them; others: rock plot many.nc --kind body" in text
+    assert "--kind body --select AXIS=VALUE, of sample<" in text
+
+
 def test_a_refined_map_is_summed_up_over_what_was_solved() -> None:
     pulse = {"shape": "ricker", "omega_p_over_p": 2, "a_p_over_g_tan_alpha": 2}
     axes = {

@@ -189,8 +189,11 @@ def _left_out(dataset: xarray.Dataset, kind: str, note: str) -> str:
     found = _SOME.search(note)
     if found is None:
         return ""
-    gone = () if found[1] in ("cases", "motions") else suite_axes(dataset)  # a part of a suite is no suite
+    gone = () if found[1] in ("cases", "motions", "bodies") else suite_axes(dataset)  # a part of a suite is no suite
     axes = [axis for axis in axes_of(dataset) if dataset.sizes[axis] > 1 and axis not in gone]
+    if found[1] == "bodies":
+        shape = {axis for name in ("R", "alpha") if name in dataset.variables for axis in dataset[name].dims}
+        axes = [axis for axis in axes if axis in shape] or axes
     file = f"{dataset.attrs.get('study_name', 'FILE')}.nc"
     return f"the figure names them; others: rock plot {file} --kind {kind} --select AXIS=VALUE, of {', '.join(axes)}"
 
