@@ -126,6 +126,14 @@ def _of_several(study: Map, keys: Keys, said: str) -> str:
     return f"; {edges}several cases are an axis, `vary: {{{dotted(keys[1:])}: [...]}}`"
 
 
+def _slip(key: str) -> str:
+    """What was meant by a key without a value: the second half of 1,8, or a key and its value in one word."""
+    if key.isdecimal():
+        return "decimals have a point, as a comma ends a value"
+    before, colon, after = key.partition(":")
+    return f"a blank belongs behind the colon: {before}: {after}" if colon and before and after else ""
+
+
 def _at(where: Where) -> str:
     return "" if where is None else f"line {where}: " if isinstance(where, int) else f"{where}: "
 
@@ -140,7 +148,8 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         known = fields_at(part, keys[len(at) : -1])
         if len(keys) == 1 and keys[0] in CasePart.model_fields:
             return where, f"{name}: unknown key {name!r} at this level; did you mean case.{name}?"
-        return where, f"{name}: unknown key {str(keys[-1])!r}; {nearest(str(keys[-1]), known)}"
+        slip = _slip(str(keys[-1])) if value_at(study, keys) is None else ""
+        return where, f"{name}: unknown key {str(keys[-1])!r}; {slip or nearest(str(keys[-1]), known)}"
     if kind == "missing":
         missing = detail["loc"][-1]
         inside = f" in {name}" if name else ""

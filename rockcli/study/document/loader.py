@@ -144,6 +144,8 @@ def _parse(text: str, source: Source, label: str | None) -> Any:
                 "a key where a value goes: is this line indented too far, does the line before it end too early, or "
                 "does a text with `: ` want quotes?"
             )
+        elif problem.startswith("found unknown escape character"):
+            problem = "a backslash in double quotes: write / in names of files, or put the text into single quotes"
         elif problem.startswith("could not find expected ':'"):
             problem = "a key without `: ` and a value, or a line that is not indented as its neighbours"
         no_break = next((n for n, row in enumerate(text.splitlines()[:line], 1) if f":{_NO_BREAK}" in row), None)
