@@ -9,6 +9,7 @@ from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import (
+    Path,
     Setting,
     alternatives,
     form,
@@ -122,36 +123,73 @@ def _said_together(tree: Map, at: tuple[str, ...]) -> Iterator[tuple[tuple[str, 
 
 
 def overridden_axes(variations: Sequence[Variation]) -> list[str]:
-    """A sentence per axis of which other axes leave nothing, at all of its points or at some of them."""
+    """A sentence per axis of which other axes leave nothing, at all of its points or at some of them.
+
+    And one per key that points of an axis say beside others, as a column of a table, and of which nothing is left; not
+    of one number that complete settings have and another axis varies.
+    """
     said = []
     forms = [of_each_form(variation.points()) for variation in variations]
+    by_path = {variation.axis.path: points for variation, points in zip(variations, forms, strict=True)}
     for i, variation in enumerate(variations):
-        lost = {each: by for each, point in forms[i].items() if (by := _overridden_by(variations, forms, i, point))}
-        if not lost:
-            continue
-        others = " and ".join(dict.fromkeys(path for by in lost.values() for path in by))
-        whose = f"the axis {variation.axis.path}"
-        if len(lost) < len(forms[i]):
-            points = zip(variation.axis.values, variation.points(), strict=True)
-            labels = [repr(value) for value, point in points if form(point) in lost]
-            more = f" and {len(labels) - _LABELS} more" if len(labels) > _LABELS else ""
-            whose = f"{', '.join(labels[:_LABELS])}{more} of {whose}"
-        said.append(f"nothing is left of {whose}: all of it is overridden by {others}; leave one of the axes out")
+        found = {each: _left(variations, forms, i, point) for each, point in forms[i].items()}
+        lost = {each: by for each, (left, by) in found.items() if by and not left}
+        if lost:
+            said.append(_nothing_left(variation, len(forms[i]), lost))
+        some = [(left, by) for left, by in found.values() if left]
+        kept = set().union(*(left for left, _ in some))
+        for path, others in sorted({path: axes for _, by in some for path, axes in by.items()}.items()):
+            same = any(path == one for axis in others for one in _said(by_path[axis]))
+            if path not in kept and not (same and len({repr(value) for value in _values(variation, path)}) == 1):
+                said.append(
+                    f"{'.'.join(path[path[0] == 'case' :])} of the axis {variation.axis.path} has no effect: it is "
+                    f"overridden by {' and '.join(others)}; leave one of the two out"
+                )
     return said
 
 
-def _overridden_by(
+def _said(forms: dict[Any, Sequence[Setting]]) -> Iterator[Path]:
+    """Paths of all that points say."""
+    for point in forms.values():
+        yield from (path for path, _ in leaves(overlaid({}, point)))
+
+
+def _values(variation: Variation, path: Path) -> Iterator[Any]:
+    """What the points of an axis say at a path."""
+    if path in (variation.columns or ()):
+        yield from (variation.columns or {})[path].tolist()
+        return
+    for point in variation.points():
+        yield from (value for one, value in leaves(overlaid({}, point)) if one == path)
+
+
+def _nothing_left(variation: Variation, forms: int, lost: dict[Any, dict[Path, list[str]]]) -> str:
+    others = " and ".join(dict.fromkeys(axis for by in lost.values() for axes in by.values() for axis in axes))
+    whose = f"the axis {variation.axis.path}"
+    if len(lost) < forms:
+        points = zip(variation.axis.values, variation.points(), strict=True)
+        labels = [repr(value) for value, point in points if form(point) in lost]
+        more = f" and {len(labels) - _LABELS} more" if len(labels) > _LABELS else ""
+        whose = f"{', '.join(labels[:_LABELS])}{more} of {whose}"
+    return f"nothing is left of {whose}: all of it is overridden by {others}; leave one of the axes out"
+
+
+def _left(
     variations: Sequence[Variation], forms: Sequence[dict[Any, Sequence[Setting]]], i: int, point: Sequence[Setting]
-) -> list[str]:
-    """The axes that together leave nothing of what a point of axis i says; none where something is left."""
+) -> tuple[set[Path], dict[Path, list[str]]]:
+    """Paths of what a point of axis i says that are left in some case, and by the others the axes that override them.
+
+    Axes behind the one that leaves nothing are not asked.
+    """
     every = left = left_beside(point, [()], later=True)
-    by = []
+    by: dict[Path, list[str]] = {}
     for j, other in enumerate(variations):
         if j != i and left:
             beside = left_beside(point, forms[j].values(), later=j > i)
-            by += [other.axis.path] if beside < every else []
+            for path in sorted(every - beside):
+                by.setdefault(path, []).append(other.axis.path)
             left = left & beside
-    return [] if left else by
+    return left, by
 
 
 def _names(value: Any) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from rockcli.study.open import open_study
 
@@ -185,6 +186,28 @@ class TestOverriddenAxes:
         assert self.said(vary) == [
             f"nothing is left of {whose}: all of it is overridden by {by}; leave one of the axes out"
         ]
+
+    @pytest.mark.parametrize(
+        ("vary", "lost", "by"),
+        [
+            ({"case": "t.csv", "motion.pulse.a_p": [3, 4]}, "motion.pulse.a_p", A_P),
+            ({"case": "t.csv", "motion.pulse.a_p_over_g_tan_alpha": [1, 2]}, "motion.pulse.a_p", f"{A_P}_over_g_tan_alpha"),
+            ({"case": "t.csv", "block.R": [1, 2]}, "", ""),  # the same R in both rows, as in complete settings
+            ({"case": "t.csv", "block.tan_alpha": [0.1, 0.2]}, "block.alpha", "block.tan_alpha"),
+            ({"case": "t.csv", "motion.pulse.T_p": [0.5, 1]}, "", ""),
+            ({"case": {"a": {"block": {"R": 1, "alpha": 0.2}}, "b": {A_P: 2}}, A_P: [3, 4]}, "", ""),  # told otherwise
+            ({"case": {"a": {"block.R": 1, A_P: 1}, "b": {"block.R": 2, A_P: 2}}, A_P: [3, 4]}, A_P, A_P),
+            ({"case": {"a": {"block.R": 1, A_P: 1}, "b": {"block.R": 2, A_P: 1}}, A_P: [3, 4]}, "", ""),
+        ],
+    )  # fmt: skip
+    def test_a_column_of_which_nothing_is_left_is_named(self, vary, lost, by, tmp_path):
+        """A list of bodies, each with its strength of motion, beside an axis of strengths had no warning."""
+        (tmp_path / "t.csv").write_text("name,block.R,block.alpha,motion.pulse.a_p\na,2,0.2,1\nb,2,0.25,2\n")
+        case = {"block": BLOCK, "motion": {"pulse": PULSE}}
+        (tmp_path / "x.yaml").write_text(yaml.safe_dump({"name": "x", "case": case, "vary": vary}, sort_keys=False))
+        told = [each for each in open_study(tmp_path / "x.yaml").warnings if "has no effect" in each]
+        words = f"{lost} of the axis case has no effect: it is overridden by {by}; leave one of the two out"
+        assert told == [words] * bool(lost)
 
     @pytest.mark.parametrize(
         ("vary", "axis"), [({"case": BY_NAME, A_P: [3, 4]}, 0), ({A_P: [3, 4], "case": BY_NAME}, 1)]
