@@ -59,6 +59,7 @@ from rockcli.study.unused import (
     overridden_axes,
     replaced_records,
     rules_without_friction,
+    strengths_left_out,
     unused_symbols,
 )
 
@@ -212,6 +213,7 @@ def _ineffective(
         *unused_symbols(tree, variations),
         *replaced_records(base, variations),
         *alternatives_left_out(base, variations),
+        *strengths_left_out(base, variations),
         *overridden_axes(variations),
         *rules_without_friction(base, variations, part.rules),
     )

@@ -113,6 +113,32 @@ def alternatives_left_out(study: Map, variations: Sequence[Variation]) -> list[s
     return said
 
 
+def strengths_left_out(study: Map, variations: Iterable[Variation]) -> list[str]:
+    """A sentence where an axis says a factor, and the base case a strength that it might be taken to multiply."""
+    said = []
+    variations = list(variations)
+    for at, factor in _FACTORS:
+        base = value_at(study, at) or {}
+        strength = next((key for key in base if key in alternatives(factor) and base[key] is not None), None)
+        for variation in variations:
+            if strength is not None and any(path == (*at, factor) for path in _said(of_each_form(variation.points()))):
+                name, whole = (".".join((*at[1:], key)) for key in (strength, factor))
+                axis = f"the axis {variation.axis.path}" + (f", of {whole}" if variation.axis.path != whole else "")
+                said.append(
+                    f"{name} of the base case counts for nothing beside {axis}: its factors are on the motion as is; "
+                    f"vary {strength}, or a symbol k of `let` in `{strength}: k*...`"
+                )
+    return said
+
+
+_FACTORS = (
+    (("case", "motion", "record"), "scale"),
+    (("case", "motion", "vertical", "record"), "scale"),
+    (("case", "motion"), "floor_scale"),
+)
+"""Where a study says factors on motions, beside which strengths may not stand."""
+
+
 def _said_together(tree: Map, at: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], tuple[str, str]]]:
     """Mappings of a tree, by their keys, and two keys in them that are alternatives."""
     given = [key for key, value in tree.items() if value is not None]

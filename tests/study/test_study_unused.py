@@ -270,3 +270,25 @@ class TestAlternativesLeftOut:
     )
     def test_settings_that_choose_are_not(self, motion, vary):
         assert self.said({"block": BLOCK, "motion": motion}, vary) == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "vary", "name", "axis"),
+    [
+        ({"pga": "0.4*g"}, {"motion.record.scale": [1, 2]}, "motion.record.pga", "the axis motion.record.scale"),
+        ({"pgv": 0.3}, {"case": {"a": {}, "b": {"motion.record.scale": 2}}}, "motion.record.pgv",
+         "the axis case, of motion.record.scale"),
+        ({"scale": 2}, {"motion.record.scale": [1, 2]}, "", ""),
+        ({"scale": 2}, {"motion.record.pga": [1, 2]}, "", ""),
+        ({"pga": "0.4*g"}, {"motion.record.pga": [1, 2]}, "", ""),
+        ({}, {"motion.record.scale": [1, 2]}, "", ""),
+    ],
+)  # fmt: skip
+def test_factors_are_not_on_a_strength_of_the_base_case(motion, vary, name, axis):
+    """Half, once and twice 0.4 g was half, once and twice the record, whatever its strength, without a word."""
+    record = {"file": "synthetic_rock_m65.AT2"} | motion
+    study = {"name": "x", "case": {"block": BLOCK, "motion": {"record": record}}, "vary": vary}
+    told = [each for each in open_study(study).warnings if "counts for nothing" in each]
+    assert [each.startswith(f"{name} of the base case counts for nothing beside {axis}: its") for each in told] == (
+        [True] * bool(name)
+    )
