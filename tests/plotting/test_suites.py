@@ -306,6 +306,36 @@ def test_spectrum_of_overturning_amplitudes():
     np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
 
 
+def test_a_bar_at_the_end_of_a_spectrum_is_seen_and_words_are_of_what_is():
+    """It lay on the line of the axis, behind the curve of the largest value; words spoke of bars where there is none."""
+
+    def drawn(top):
+        vary = {
+            "motion.pulse.omega_p": [3.0, 4.0, 6.0],
+            "block.R": [0.5, 1.0, 2.0],
+            "motion.pulse.a_p": {"from": "0.1*g", "to": f"{top}*g", "n": 30, "find": "overturning"},
+        }
+        dataset = rockcli.run(suite(vary=vary))
+        name = "motion_pulse_a_p_overturning_prescreen_p50"
+        return dataset, figures.figure("spectrum", dataset.assign({name: 1000.0 * dataset[name]}))
+
+    dataset, figure = drawn(0.4)
+    found = dataset["motion_pulse_a_p_overturning"].values / G
+    assert np.argwhere(np.isinf(found)).tolist() == [[2, 2]]  # the largest, under the shortest pulse
+    (axes,) = figure.axes
+    period = 2 * np.pi / dataset["p"].values
+    (bar,) = (line for line in axes.lines if line.get_marker() == "|" and np.isfinite(line.get_ydata()).any())
+    assert np.nanmin(bar.get_ydata()) > 1.03 * found[np.isfinite(found)].max()
+    assert axes.get_xlim()[0] < period.min()
+    assert axes.get_xlim()[1] > period.max()
+    assert "bars at the top: nothing in the range overturns" in figure.get_label()
+    assert "above the axis: median, closed form, after first uplift" in figure.get_label()
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [word for word in told if "closed form" in word] == ["median, closed form, worst excursion"]
+    _, whole = drawn(0.6)
+    assert "bars" not in whole.get_label()
+
+
 def test_what_cannot_be_drawn_is_refused_in_words(sizes, stripes):
     assert "no amplitude" in figures.why_not("ida", sizes)
     assert "p changes along no axis" in figures.why_not("spectrum", stripes)

@@ -31,7 +31,7 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import members_word, suite_of
 from rockcli.plotting.kinds.ida import BOLD, MEMBER, fractiles_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
-from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND
+from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND, NONE
 
 if TYPE_CHECKING:
     import xarray
@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 Order = NDArray[np.intp]
 
 _FEWEST_SIZES = 3
+
+_BESIDE = 0.02
+"""Share of the axis that is left free at either end."""
 
 _MEMBERS = 1
 """Where the members of a suite lie, below its percentiles."""
@@ -149,6 +152,7 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.5 + 1.75 * len(rows))
     grid = figure.subplots(len(rows), columns, sharex=True, sharey="row", squeeze=False)
+    seen: set[str] = set()
     for line, row in zip(grid, rows, strict=True):
         parts = [dataset.isel(case.place) for case in shown]
         members = [_values(part.transpose(suite.axis, axis, ...), row, row.name)[:, order] for part in parts]
@@ -160,6 +164,7 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
             for end, line_of, _ in _prescreens(part, row):
                 curve = _values(part, row, f"{row.name}{end}_p50")[order]
                 axes.plot(period[order], curve, color=COLOURS[1], linewidth=1.0, linestyle=line_of, zorder=2)
+                seen |= {end} if (curve < top).any() else set()
             for end, _, dashes in fractiles_of(len(curves)):
                 curve = _values(part, row, f"{row.name}_{end}")[order]
                 _run(axes, period[order], curve, top, color=BOLD, linewidth=1.6, zorder=3, dashes=dashes)
@@ -175,10 +180,14 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         words.append(Line2D([], [], color=BOLD, linewidth=1.6, label=word))
         if dashes:
             words[-1].set_dashes(dashes)
-    for _, line_of, word in _prescreens(dataset, rows[-1]):
-        words.append(Line2D([], [], color=COLOURS[1], linewidth=1.0, linestyle=line_of, label=f"median, {word}"))
+    above = []
+    for end, line_of, word in _prescreens(dataset, rows[-1]):
+        if end in seen:
+            words.append(Line2D([], [], color=COLOURS[1], linewidth=1.0, linestyle=line_of, label=f"median, {word}"))
+        else:
+            above.append(f"above the axis: median, {word}")
     legend_below(figure, words)
-    note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows)]))
+    note = "; ".join(filter(None, [selection_note(columns, total, "columns"), _leaving(dataset, rows), *above]))
     headline(figure, title_of(dataset), note)
     return figure
 
@@ -193,10 +202,12 @@ def _leaving(dataset: xarray.Dataset, rows: list[Row]) -> str:
     if not rows[0].name.endswith(FOUND):
         peaks = dataset[rows[0].name].values
         missing = int(np.isnan(peaks).sum())
-        none = f"; {missing} of {peaks.size} cases without an answer left out" if missing else ""
-        return f"bars at the top: overturned{none}"
+        words = ["bars at the top: overturned"] if np.isposinf(peaks).any() else []
+        return "; ".join(
+            [*words, *([f"{missing} of {peaks.size} cases without an answer left out"] if missing else [])]
+        )
     state = thresholds_in(dataset, rows[0].name).state
-    words = ["bars at the top: nothing in the range overturns"]
+    words = ["bars at the top: nothing in the range overturns"] if (state == NONE).any() else []
     for flag, why in ((BELOW, "below the range"), (BRACKETED, "without an answer")):
         if count := int((state == flag).sum()):
             words.append(f"{count} of {state.size} {why}, not drawn")
@@ -214,7 +225,8 @@ def _top(row: Row, curves: list[Array], high: list[Array] | None = None) -> floa
     largest = _largest(curves)
     if row.name == "theta_peak_over_alpha":
         return float(np.clip(1.06 * largest, 1.1, 1.8))
-    return min(1.08 * largest, 1.6 * _largest(high or curves) or np.inf) or 1.0
+    room = 1.16 if any(np.isposinf(curve).any() for curve in curves) else 1.08  # of bars, above all values
+    return min(room * largest, 1.6 * _largest(high or curves) or np.inf) or 1.0
 
 
 def _largest(curves: list[Array]) -> float:
@@ -243,5 +255,8 @@ def _finish(axes: Axes, row: Row, top: float) -> None:
 
 def _periods(axes: Axes, period: Array) -> None:
     scale_axes(axes, is_log(period))
-    axes.set_xlim(float(period.min()), float(period.max()))
+    low, high = float(period.min()), float(period.max())
+    beside = (high / low) ** _BESIDE if is_log(period) else 1.0  # a bar at an end lay on the line of the axis
+    apart = 0.0 if is_log(period) else _BESIDE * (high - low)
+    axes.set_xlim(low / beside - apart, high * beside + apart)
     axes.set_xlabel(r"$2\pi/p$ [s]")
