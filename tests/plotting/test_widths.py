@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 import xarray
+from half_sines import SUITE
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -199,6 +200,23 @@ def test_words_beside_a_slender_body_stay_on_the_page(width):
     data = rockcli.run({"name": "one", "case": {"block": block, "initial": {"theta": 0.01}}})
     figure = rockcli.plot(data, "body", width=width)
     figure.draw_without_rendering()
+    check_words(figure)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("kind", ["fragility", "risk"])
+def test_a_long_name_of_the_intensity_stays_below_its_panel(kind, width):
+    """Of two panels side by side at 90 mm the names lay on one another, and the unit of the second left the page."""
+    study = SUITE | {
+        "case": SUITE["case"] | {"block": {"height": 2.0, "width": 0.5}},
+        "vary": {"block": {"one": {"height": 2.0, "width": 0.5}, "two": {"height": 3.0, "width": 0.7}}} | SUITE["vary"],
+        "over": {"axis": "omega_p", "along": "a_p", "intensity": "ground_sa(0.5)"},
+        "hazard": {"intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]},
+    }
+    study["case"]["motion"] = SUITE["case"]["motion"] | {"through": [{"f": 5, "zeta": 0.05}]}
+    figure = rockcli.plot(rockcli.run(study), kind, width=width)
+    figure.draw_without_rendering()
+    assert "of the ground" in " ".join(figure.axes[-1 if kind == "fragility" else 0].get_xlabel().split())
     check_words(figure)
 
 

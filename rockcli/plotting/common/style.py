@@ -266,6 +266,11 @@ def _seen(words: str) -> str:
     return re.sub(r"[${}\\]", "", _GREEK.sub("x", re.sub(r"\\(?:mathrm|dot|hat|,)", "", words)))
 
 
+def panel_label(axes: Axes, words: str, width: float) -> None:
+    """Label below a panel, wrapped to its width [in]."""
+    axes.set_xlabel(_in_lines(words, max(int(width * 12.5), _FEWEST)))
+
+
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:
     """One legend below the figure, in as many columns as there is room for, at most `most`, their rows filled alike.
 

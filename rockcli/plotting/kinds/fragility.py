@@ -20,6 +20,7 @@ from rockcli.plotting.common.style import (
     headline,
     legend_below,
     new_figure,
+    panel_label,
     panel_title,
     width_or,
 )
@@ -78,7 +79,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
-            axes.set_xlabel(intensity_label(dataset, suite))
+            panel_label(axes, intensity_label(dataset, suite), width / columns)
             axes.tick_params(labelbottom=True)
         if number % columns == 0:
             axes.set_ylabel("probability of exceedance")

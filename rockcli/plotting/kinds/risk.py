@@ -18,6 +18,7 @@ from rockcli.plotting.common.style import (
     headline,
     legend_below,
     new_figure,
+    panel_label,
     panel_title,
     width_or,
 )
@@ -64,13 +65,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure, grid = _grid(width, len(shown))
     label = intensity_label(dataset, suite)
     abreast = _abreast(width, len(shown))
+    columns = 3 if width >= _THREE else len(shown) if abreast else 1
     for number, (row, case) in enumerate(zip(grid, shown, strict=True)):
         part = dataset.isel(case.place).isel(limit_state=-1)
         beside = _hazard(row[0], part)
         _deaggregation(row[1], part)
         _survival(row[2], part)
         for axes in row[:2]:
-            axes.set_xlabel(label)
+            panel_label(axes, label, width / columns)
         if case.label:
             panel_title(row[0], case.label, width / 3.0)
         first, last = number == 0, number == len(shown) - 1
