@@ -45,13 +45,18 @@ from rockcli.study.document.values import (
     Files,
     Histories,
     Label,
+    MeanAndSpread,
     Meaning,
+    MedianAndSpread,
     Number,
     Outline,
     Pair,
+    Point,
     Quadruple,
     Scalars,
     Series,
+    Site,
+    Span,
     Text,
     Triple,
     describe,
@@ -133,7 +138,7 @@ class BlockPart(Part):
     plane: Literal["width", "depth"] | None = key("side along which a rectangle rocks, one of height, width and depth")
     pixel: Number | None = key("metres in a unit of the outline's coordinates [m]; default 1")
     z_down: bool = key("the outline's z runs down, as on a photograph", False)
-    contacts: Annotated[list[Pair], Field(min_length=2, max_length=2)] | None = key(
+    contacts: Annotated[list[Point], Field(min_length=2, max_length=2)] | None = key(
         "points [x, z] of the outline's coordinates on which it stands, of a tilted support at different heights; "
         "default: its lowest points"
     )
@@ -143,7 +148,7 @@ class BlockPart(Part):
         "outermost two of its lowest points alone (toes); as outline, where it comes to rest when let go (settled)",
         "outline",
     )
-    centre: Pair | None = key("centre of mass [x, z] in the outline's coordinates, with r_g, where it is not uniform")
+    centre: Point | None = key("centre of mass [x, z] in the outline's coordinates, with r_g, where it is not uniform")
     mesh: Text | None = key("closed surface of the body, z up: FILE.obj, .ply or .stl beside the study")
     units: Literal[LENGTHS] | None = key("units of the mesh; default metres, and sizes that are unlikely are refused")  # type: ignore[valid-type]
     direction: Direction | None = key(
@@ -456,9 +461,9 @@ Over = Annotated[OverPart | None, BeforeValidator(lambda v: {"axis": v} if isins
 class DistributionPart(Part):
     """What an uncertain input may be: one distribution, and where it is cut off."""
 
-    normal: Pair | None = key("[mean, standard deviation]")
-    lognormal: Pair | None = key("[median, standard deviation of the logarithm]")
-    uniform: Pair | None = key("[lowest, highest]")
+    normal: MeanAndSpread | None = key("[mean, standard deviation]")
+    lognormal: MedianAndSpread | None = key("[median, standard deviation of the logarithm]")
+    uniform: Span | None = key("[lowest, highest]")
     triangular: Triple | None = key("[lowest, most likely, highest]")
     beta: Quadruple | None = key(
         "[a, b, lowest, highest]: density proportional to (x - lowest)^(a-1) (highest - x)^(b-1)"
@@ -474,7 +479,7 @@ class HazardPart(Part):
     rate: Series | None = key("annual rates of exceedance [1/year]")
     label: Label | None = key("name of the curve; default that of the file")
     units: Text | None = key("of the intensities: g, m/s², cm/s², m/s, cm/s, g s, s; default as the file says, or SI")
-    site: Pair | None = key("[longitude, latitude] of a file of several sites")
+    site: Site | None = key("[longitude, latitude] of a file of several sites")
 
 
 class ScorePart(Part):

@@ -140,7 +140,16 @@ WRONG = [
     ("damping: restitution", "damping: {eta: housnr}", 7, ["case.damping.eta", "did you mean 'housner'"]),
     ("damping: restitution", "solver: {events: 3}", 7, ["case.solver.events is 3; expected true or false"]),
     ("let: {gamma: 5}", "save: {scalars: [outcom]}", 2, ["save.scalars", "did you mean 'outcome'"]),
-    ("{R: 5.0, ", "{R: 5,0, ", 4, ["unknown key '0'", "decimals have a point"]),
+    ("{R: 5.0, ", "{R: 5,0, ", 4, ["unknown key '0'", "decimals have a point, 1.8, and several numbers brackets"]),
+    (
+        "let: {gamma: 5}",
+        "let: {gamma: 5}\nuncertain: {block.R: {normal: 5}}",
+        3,
+        ["[mean, standard deviation], are expected"],
+    ),
+    ("let: {gamma: 5}", "let: {gamma: 5}\nuncertain: {block.R: {lognormal: 5}}", 3, ["[median, standard deviation of"]),
+    ("let: {gamma: 5}", "let: {gamma: 5}\nplots: map", 3, ["plots is 'map'; expected a list, as [map]"]),
+    ("  model: [rigid", "  gamma: [rigid", 10, ["'gamma' is a symbol of `let`; did you mean 'let.gamma'?"]),
     ("{R: 5.0, ", "{R:5.0, ", 4, ["a blank belongs behind the colon: R: 5.0"]),
     (
         "\n  block.tan_alpha: [0.1, 0.2, 0.333]\n  model: [rigid, linearized]",

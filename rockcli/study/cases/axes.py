@@ -136,6 +136,9 @@ class _Reader:
             named = not is_path(text) and text in names_in([study["case"], study["vary"]])
             self.path = (LABELS, text) if named else resolve(text)
         except StudyError as error:
+            if value_at(study, ("let", text)) is not None:
+                message = f"vary: {text!r} is a symbol of `let`; did you mean 'let.{text}'?"
+                raise source.placed(place(study, ("vary", text)), message) from None
             if study["vary"][text] is None and "did you mean" not in error.message:
                 message = f"vary: {text!r} has no values: several of one axis stand in brackets, PATH: [1, 2]"
                 raise source.placed(place(study, ("vary", text)), message) from None

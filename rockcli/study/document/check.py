@@ -127,9 +127,9 @@ def _of_several(study: Map, keys: Keys, said: str) -> str:
 
 
 def _slip(key: str) -> str:
-    """What was meant by a key without a value: the second half of 1,8, or a key and its value in one word."""
-    if key.isdecimal():
-        return "decimals have a point, as a comma ends a value"
+    """What was meant by a key without a value: the second of 1,8, or a key and its value in one word."""
+    if _reads_as_number(key):
+        return "decimals have a point, 1.8, and several numbers brackets, [1, 8]"
     before, colon, after = key.partition(":")
     return f"a blank belongs behind the colon: {before}: {after}" if colon and before and after else ""
 
@@ -177,7 +177,10 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         return where, f"{name} is a list of {_BOUNDS[kind].format(**detail['ctx'])}"
     for begin, expected in EXPECTED.items():
         if kind.startswith(begin):
-            return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}"
+            one = value_at(study, keys)
+            inside = "{...}" if isinstance(one, dict) else str(one) if isinstance(one, int | float | str) else ""
+            as_one = f", as [{inside}]" if begin == "list_" and 0 < len(inside) < 60 else ""
+            return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}{as_one}"
     message = detail["msg"].replace("Input should", "it should")
     return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
 

@@ -71,10 +71,10 @@ def _direction(value: Any) -> Any:
     return value if value == WEAKEST else number_or_expression(value)
 
 
-def _pair(value: Any) -> Any:
+def _pair(value: Any, names: str = "from, to") -> Any:
     if not isinstance(value, list) or len(value) != 2:
         shown = repr(list(value)) if isinstance(value, list) and len(repr(value)) < 60 else describe(value)
-        raise ValueError(f"two numbers, [from, to], are expected, not {shown}")
+        raise ValueError(f"two numbers, [{names}], are expected, not {shown}")
     return [number_or_expression(item) for item in value]
 
 
@@ -162,6 +162,17 @@ NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
 PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
 Number = Annotated[Any, BeforeValidator(number_or_expression), WithJsonSchema(NUMBER_SCHEMA)]
 Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
+MeanAndSpread = Annotated[
+    Any, BeforeValidator(lambda value: _pair(value, "mean, standard deviation")), WithJsonSchema(PAIR_SCHEMA)
+]
+MedianAndSpread = Annotated[
+    Any,
+    BeforeValidator(lambda value: _pair(value, "median, standard deviation of the logarithm")),
+    WithJsonSchema(PAIR_SCHEMA),
+]
+Span = Annotated[Any, BeforeValidator(lambda value: _pair(value, "lowest, highest")), WithJsonSchema(PAIR_SCHEMA)]
+Point = Annotated[Any, BeforeValidator(lambda value: _pair(value, "x, z")), WithJsonSchema(PAIR_SCHEMA)]
+Site = Annotated[Any, BeforeValidator(lambda value: _pair(value, "longitude, latitude")), WithJsonSchema(PAIR_SCHEMA)]
 Triple = Annotated[
     Any,
     BeforeValidator(lambda value: _numbers(value, "lowest, most likely, highest")),
