@@ -49,8 +49,9 @@ SAMPLES = 3000
 STILL = "uncertain inputs"
 """Feature of whose cases under the record none lifts off."""
 
-APART = "bodies by name"
-"""Feature of which each point of an axis is a batch of its own."""
+BATCH = 8e-3
+"""A body, or a record, that is built and laid out apart from others, several times in a run, as one with an outline is,
+or a file in a table of files; bodies by name that differ in numbers are built together [s]."""
 
 ALONE = 3.0
 """Over the plain block, from which bodies under such a motion are solved one at a time."""
@@ -118,12 +119,6 @@ def seconds_per_case(batch: Batch, backend: str) -> float:
         if cost.element_step:
             solving += cost.element_step * _element_increments(batch)
     return solving + (_length(batch) / batch.save.dt_out * HISTORY * batch.save.histories)
-
-
-def seconds_per_batch() -> float:
-    """Processor time for a batch beside that for its cases, on the machine of reference [s]."""
-    (apart, cases), (plain, _) = known()[APART, UNDER_PULSES], known()[PLAIN, UNDER_PULSES]
-    return (apart - plain) * float(np.sqrt(cases))  # as many batches as cases in each
 
 
 def seconds_of_reading(batch: Batch) -> float:

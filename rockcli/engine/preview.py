@@ -14,13 +14,13 @@ from rockcli.engine.backends import choose
 from rockcli.engine.bodies import Bodies, uplift_words
 from rockcli.engine.cost import (
     ARRIVING,
+    BATCH,
     REFINED,
     STARTING,
     memory,
     seconds_of_reading,
     seconds_of_rules,
     seconds_of_statistics,
-    seconds_per_batch,
     seconds_per_case,
     share_refined,
 )
@@ -147,7 +147,7 @@ def _preview(study: Study) -> Preview:
         bodies.add_under_one_motion()
     for indices, part in study.suites(np.arange(looked_at)):
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
-        seconds += seconds_per_batch() + len(indices) * each
+        seconds += BATCH + len(indices) * each
     seconds = seconds / looked_at * study.size * (1.0 if _narrow(study) else share_refined(study))
     seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
     seconds += ARRIVING * sum(arrive.values())

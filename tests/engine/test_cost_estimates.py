@@ -108,6 +108,23 @@ def test_an_estimate_is_in_the_time_of_this_machine(monkeypatch: pytest.MonkeyPa
     assert 0.1 < slowness() < 100.0
 
 
+def test_bodies_that_are_built_apart_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 600 outlines under nine pulses the estimate was 0.5 s; they took 4.5, as those that differ in numbers did not."""
+    monkeypatch.setattr(preview, "slowness", lambda: 1.0)
+    widths = [0.3 + 0.001 * k for k in range(60)]
+    outlines = {
+        f"body {b:.3f}": {"outline": [[0, 0], [b, 0], [b, 2], [0, 2]], "stands": "toes", "top": 2.0} for b in widths
+    }
+    numbers = {name: {"height": 2.0, "width": b} for (name, _), b in zip(outlines.items(), widths, strict=True)}
+    amplitudes = {"motion.pulse.a_p": [3.0, 4.0, 5.0]}
+    apart, together = (
+        preview.preview(study(block={"height": 2.0, "width": 0.5}, top={"vary": {"block": blocks, **amplitudes}}))
+        for blocks in (outlines, numbers)
+    )
+    assert apart.cases == together.cases == 180
+    assert apart.seconds - together.seconds == pytest.approx(59 * cost.BATCH, rel=0.05)
+
+
 def test_nothing_is_solved_for_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: Any) -> Any:
         raise AssertionError
