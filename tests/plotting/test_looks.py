@@ -346,6 +346,24 @@ def test_directions_are_a_polar_plot_with_the_worst_marked() -> None:
     assert "crosses: overturned" in drawn.get_suptitle()
 
 
+def test_curves_that_overturn_in_one_direction_have_crosses_side_by_side() -> None:
+    """Those of the last hid the others."""
+    angles = np.linspace(0.0, 1.75 * np.pi, 8)
+    coords = {
+        "mu": ("mu", [0.2, 0.4, 0.6], {"path": "block.mu", "units": "1"}),
+        "angle": ("angle", angles, {"path": "motion.record.angle", "units": "rad"}),
+    }
+    peaks = np.full((3, 8), 0.4)
+    peaks[:2, 1:5] = np.inf
+    data = xarray.Dataset(
+        {"theta_peak_over_alpha": (("mu", "angle"), peaks)}, coords, {"axes": "mu angle", "title": "Directions"}
+    )
+    axes = figure("polar", data).axes[0]
+    crosses = [line.get_ydata() for line in axes.lines if line.get_marker() == "x"]
+    assert [len(each) for each in crosses] == [4, 4, 0]
+    assert axes.get_rmax() > crosses[0][0] > crosses[1][0] + 0.04 > 0.44
+
+
 def test_datasets_of_which_one_varies_along_more_axes_are_drawn_together():
     """The peak of the ground is of the amplitudes alone, that of a floor of the frequencies too."""
     study = {

@@ -40,8 +40,8 @@ _BESIDE, _ABOVE, _BELOW = 0.4, 0.2, 0.25
 _TITLE, _GAP = 0.25, 0.06
 """Room for the title of the panel, and next to those of the figure [in]."""
 
-_EDGE = 1.12
-"""Radius at which what overturns is marked, over the largest drawn."""
+_EDGE, _EDGES = 1.12, (1.17, 1.06)
+"""Radius at which what overturns is marked, over the largest drawn; outermost and innermost of several curves."""
 
 
 def towards(dataset: xarray.Dataset) -> str | None:
@@ -79,6 +79,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if top > 0.7:
         top = max(top, 1.0)
     ringed = False
+    fallen = sum(bool(np.isposinf(y).any()) for y in curves)
+    edges = iter(top * np.linspace(*_EDGES, fallen) if fallen > 1 else [_EDGE * top])
     for number, (case, y) in enumerate(zip(shown, curves, strict=True)):
         around = np.append(np.arange(len(angle)), 0) if closed else np.arange(len(angle))
         colour = COLOURS[number]
@@ -88,7 +90,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if len(shown) == 1 and np.isfinite(y).all():
             axes.fill(angle, y, color=colour, alpha=0.12, linewidth=0.0)
         fell = np.isposinf(y)
-        axes.plot(angle[fell], np.full(int(fell.sum()), _EDGE * top), "x", color=colour, markersize=3.5)
+        edge = next(edges) if fell.any() else 0.0
+        axes.plot(angle[fell], np.full(int(fell.sum()), edge), "x", color=colour, markersize=3.5)
         if not fell.any() and np.isfinite(y).any() and np.nanmax(finite) > _TELLING * top:
             ringed, worst = True, int(np.nanargmax(finite))
             axes.plot(angle[worst], y[worst], "o", markersize=6.5, markerfacecolor="none", color="black", zorder=5)
