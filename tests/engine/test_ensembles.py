@@ -133,6 +133,16 @@ def handmade(outcome, peak, share=None, begins_at=0) -> tuple[Contents, rockcli.
     return with_ensembles(Contents(axes, fields, whole.attrs), checked), checked
 
 
+def test_motions_to_the_other_side_are_no_lower_intensities():
+    """A strong half sine to the left overturns; that a weak one to the right does not is no stable island."""
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "T_p": 1.0}}}
+    a_p = {"motion.pulse.a_p": [-8.0, -4.0, -1.0, 1.0, 4.0, 8.0], "motion.pulse.T_p": [0.8, 1.0]}
+    data = rockcli.run({"case": case, "vary": a_p, "over": "T_p", "save": {"histories": False}})
+    assert data["p_overturned"].values.tolist() == [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    assert not data["safe_island"].any()
+    assert not any("island" in warning for warning in data.attrs["warnings"])
+
+
 def test_islands_and_missing_answers():
     outcome = np.ones((5, 16))
     outcome[:, 8:] = 3

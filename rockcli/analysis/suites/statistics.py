@@ -194,12 +194,12 @@ def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field
 
 
 def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
-    """Cases that surely stand although the same member surely overturned at a lower intensity."""
+    """Cases that surely stand although the same member surely overturned at a lower intensity, of the same sign."""
     assert over.along is not None
-    at = contents.axes.index(over.along)
-    order = np.argsort(contents.values(over.along))
-    fell = np.take(became.share == 1.0, order, axis=at)
-    before = np.logical_or.accumulate(fell, axis=at)
+    at, intensity = contents.axes.index(over.along), contents.values(over.along)
+    order = np.lexsort((np.abs(intensity), intensity < 0.0))
+    sides = np.split(np.take(became.share == 1.0, order, axis=at), [int((intensity >= 0.0).sum())], axis=at)
+    before = np.concatenate([np.logical_or.accumulate(fell, axis=at) for fell in sides], axis=at)
     stands = np.take(became.share == 0.0, order, axis=at)
     island = np.take(before & stands, np.argsort(order), axis=at)
     count = island.sum(axis=contents.axes.index(over.axis))
