@@ -174,8 +174,8 @@ def look_at_all(space, asked):
     for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         look(state, o, how.linear, asked.two_sided, asked.rolls or asked.path, how.tol, space.scratch)
         event = load(state, o + lane.EVENT * WIDTH)
-        n_asking = note(event == lane.IMPACT, 1.0 * o, space.asking, n_asking)
-        n_lifting = note(event == lane.UPLIFT, 1.0 * o, space.lifting, n_lifting)
+        n_asking = listed(event == lane.IMPACT, o, space.asking, n_asking)
+        n_lifting = listed(event == lane.UPLIFT, o, space.lifting, n_lifting)
     find_impacts(state, space.scratch, space.asking, n_asking)
     find_uplifts(state, asked.two_sided, space.scratch, space.lifting, n_lifting)
     n_touching = find_touches(state, space.scratch, space.touching) if asked.rolls or asked.path else 0
@@ -218,15 +218,15 @@ def advance_all(space, asked):
         advance(state, o, asked.two_sided, asked.rolls, asked.path, slow)
         event, mode = load(state, o + lane.EVENT * WIDTH), load(state, o + lane.MODE * WIDTH)
         past = load(state, o + lane.T * WIDTH) >= load(state, o + lane.T_NEXT * WIDTH)
-        n_moving = note((event >= lane.NONE) & (event < lane.DONE) & past, 1.0 * o, space.moving, n_moving)
-        n_slowing = note((event == lane.IMPACT) & (mode == lane.REST), 1.0 * o, space.slowing, n_slowing)
+        n_moving = listed((event >= lane.NONE) & (event < lane.DONE) & past, o, space.moving, n_moving)
+        n_slowing = listed((event == lane.IMPACT) & (mode == lane.REST), o, space.slowing, n_slowing)
         if how.detail > OUTCOME and asked.rolls:
-            n_bouncing = note(may_only_bounce(state, o), 1.0 * o, space.bouncing, n_bouncing)
+            n_bouncing = listed(may_only_bounce(state, o), o, space.bouncing, n_bouncing)
         elif how.detail > OUTCOME:
             bounces = only_bounces(state, o, how.tol, how.linear, asked.two_sided)
             if asked.watch:
                 bounces = bounces & ~bounces_matter(state, o, asked.two_sided)
-            n_bouncing = note(bounces, 1.0 * o, space.bouncing, n_bouncing)
+            n_bouncing = listed(bounces, o, space.bouncing, n_bouncing)
     return n_moving, n_slowing, n_bouncing
 
 
@@ -272,7 +272,7 @@ def judge_all(space, cases, asked):
     count = 0
     for o in range(0, lane.VECTORS * STRIDE, STRIDE):
         if asked.rolls:
-            free = note(left_alone(state, o), 1.0 * o, space.touching, 0)
+            free = listed(left_alone(state, o), o, space.touching, 0)
             for j in range(free):
                 i = int(space.touching[j])
                 par = cases.pars[int(state[i + lane.CASE * WIDTH])]
@@ -282,7 +282,7 @@ def judge_all(space, cases, asked):
             judge_path(state, o, how, asked.two_sided, asked.until_fall)
         else:
             judge(state, o, how, asked.two_sided)
-        count = note(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, 1.0 * o, space.ending, count)
+        count = listed(load(state, o + lane.EVENT * WIDTH) >= lane.DONE, o, space.ending, count)
     return count
 
 
@@ -411,6 +411,12 @@ def look(state, o, linear, two_sided, rolls, tol, work):
     store(state, o + lane.NEW_V * WIDTH, select(rocks, dP, 0.0))
     store(state, o + lane.REACH * WIDTH, reach)
     store(state, o + lane.N_STEPS * WIDTH, load(state, o + lane.N_STEPS * WIDTH) + 1.0)
+
+
+@jit
+def listed(where, o, lanes, n):
+    """`note` of the lanes of the vector at o, mostly none."""
+    return note(where, 1.0 * o, lanes, n) if some(where) else n
 
 
 @jit
