@@ -173,6 +173,9 @@ def test_a_column_that_its_vibrations_lift_is_solved_on_the_base_it_has() -> Non
     assert auto.prospect(batch, groups(batch)) == "flexible on winkler"
     weak = {**case, "motion": {"record": {"file": "synthetic_soil_m70.AT2", "pga_over_g_tan_alpha": 0.4}}}
     assert decide(batch_of(**weak)).candidate.tolist() == [FLAGS["flexible"]]
+    stiff = {**case, "column": {**case["column"], "E": "1e5*GPa"}}  # p T_1 = .012: it vibrates on its base
+    assert decide(batch_of(**stiff)).candidate.tolist() == [FLAGS["flexible_winkler"]]
+    assert decide(batch_of(**{**stiff, "base": {"law": "rigid"}})).candidate.tolist() == [FLAGS["none"]]
 
 
 def test_what_is_chosen_for_a_case_does_not_depend_on_the_cases_beside_it() -> None:
