@@ -19,7 +19,7 @@ from rockcli.scene.variables import PEAK, SLIDE
 from rockcli.storage.contents import Contents
 from rockcli.study.study import MATCH
 
-OUTCOME, SOLVED = "outcome", "solved"
+OUTCOME = "outcome"
 
 FLOOR = 1e-9
 """Peaks smaller than this differ by no more than it: theta/alpha, or m of a slide, below which nobody cares."""
@@ -246,7 +246,7 @@ def _renamed(contents: Contents, names: dict[str, str]) -> Contents:
     fields = {
         names.get(name, name): replace(item, dims=tuple(names.get(dim, dim) for dim in item.dims))
         for name, item in contents.fields.items()
-        if name in (*contents.axes, OUTCOME, PEAK, SLIDE, SOLVED) or FOUND in name
+        if name in (*contents.axes, OUTCOME, PEAK, SLIDE, "solved") or FOUND in name
     }
     return Contents(axes, fields, contents.attrs)
 
@@ -287,9 +287,9 @@ def _common(x: NDArray[Any], y: NDArray[Any]) -> tuple[NDArray[np.int64], NDArra
 
 def _solved(contents: Contents, at: list[NDArray[np.int64]], order: tuple[str, ...]) -> NDArray[np.bool_]:
     """Which of the shared points were solved; a refined map fills in the outcomes of the others."""
-    if SOLVED not in contents.fields:
+    if "solved" not in contents.fields:
         return np.ones([len(rows) for rows in at], dtype=bool)
-    return np.asarray(_picked(contents, SOLVED, at, order) != 0)
+    return np.asarray(_picked(contents, "solved", at, order) != 0)
 
 
 def _picked(
