@@ -145,9 +145,9 @@ def _preview(study: Study) -> Preview:
             arrive[id(motion.values)] = len(motion.values)
     if looked_at < study.size:
         bodies.add_under_one_motion()
-    for indices, part in study.suites(np.arange(looked_at)):
+    for number, (indices, part) in enumerate(study.suites(np.arange(looked_at))):
         each = seconds_per_case(part, _backend(part)) + seconds_of_rules(study.rules, part)
-        seconds += BATCH + len(indices) * each
+        seconds += len(indices) * each + (BATCH if number else 0.0)  # the first is in what cases take
     seconds = seconds / looked_at * study.size * (1.0 if _narrow(study) else share_refined(study))
     seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
     seconds += ARRIVING * sum(arrive.values())
