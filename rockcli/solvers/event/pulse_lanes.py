@@ -159,7 +159,7 @@ def _strength(rows: Array, tables: Array) -> Array:
 
 
 def in_turn(strength: Array) -> NDArray[np.int64]:
-    """The order in which rows take a lane, (n,).
+    """The order in which rows of a strength (n,), without unit, take a lane: their numbers, (n,).
 
     In a map the strength rises or falls over every line, and again over the next: WIDTH lines are gone through side by
     side, as their points of one strength have most in common.  Other rows are taken as they come.
