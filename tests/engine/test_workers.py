@@ -17,6 +17,7 @@ import pytest
 from swept import CASES, assert_same, made_up, solved, study, write_study
 
 from rockcli.engine.sweep import executors, sweep
+from rockcli.engine.sweep import workers as pool
 from rockcli.engine.sweep.chunks import Chunks, Pace
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
@@ -152,6 +153,21 @@ def test_processes_start_at_once_where_nothing_is_to_be_compiled() -> None:
     assert not executors._worth(Chunks(10**5), Pace(1e-6, at_once=True))
 
 
+@pytest.mark.skipif(not executors.FORKS, reason="no case is solved before other processes start")
+def test_results_are_laid_out_when_processes_are_at_work(by, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first answer takes as long as the memory of all: 0.3 s for 7 million cases."""
+    by()
+    chunks = Chunks(CASES)
+    at_work: list[int] = []
+    start = pool._start
+    monkeypatch.setattr(pool, "_start", lambda *given: at_work.append(chunks.left) or start(*given))
+    told = executors.answers(sweep.Solving(study()), chunks, Pace(1e-3, 7, at_once=True), Team(2))
+    first, _ = next(told)
+    assert len(at_work) == 2
+    assert at_work[0] == CASES - executors.TASTE
+    assert len(first) + sum(len(cases) for cases, _ in told) == CASES
+
+
 def test_no_chunk_is_too_small_to_be_worth_sending() -> None:
     pace = Pace(1.0)
     assert pace.step(60, 2) == 1  # nothing is known yet
@@ -241,6 +257,7 @@ SLOW = """\
 import os, sys, time
 from swept import made_up
 from rockcli.engine.sweep import executors, sweep
+from rockcli.engine.sweep import workers as pool
 from rockcli.solvers.event import solver as event
 def solve(batch):
     open(f"at-work-{os.getpid()}", "w").close()

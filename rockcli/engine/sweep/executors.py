@@ -48,12 +48,16 @@ def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[t
         yield from on_cluster(work, chunks, pace, team)
         return
     loaded = not pace.at_once
+    tasted: list[tuple[Index, T]] = []
     while chunks.left:
         shared = team.workers > 1 and chunks.left > 1 and _worth(chunks, pace)
         if shared and loaded:
             from rockcli.engine.sweep.workers import on_workers
 
-            yield from on_workers(work, chunks, pace, team)
+            for told in on_workers(work, chunks, pace, team):
+                yield told
+                while tasted:
+                    yield tasted.pop()
             continue  # with what is left if no process could be started
         cases = chunks.take(TASTE if shared else pace.step(chunks.left))
         began = perf_counter()
@@ -62,10 +66,13 @@ def answers(work: Work[T], chunks: Chunks, pace: Pace, team: Team) -> Iterator[t
         except MACHINE as error:
             yield from in_halves(work, cases, error, chunks, pace)
             continue
-        if not shared:
-            pace.learn(len(cases), perf_counter() - began)
         loaded = True
+        if shared:
+            tasted.append((cases, answer))  # results are laid out for it, while processes are at work
+            continue
+        pace.learn(len(cases), perf_counter() - began)
         yield cases, answer
+    yield from tasted
 
 
 def _worth(chunks: Chunks, pace: Pace) -> bool:
