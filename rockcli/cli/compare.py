@@ -73,8 +73,9 @@ def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool
     from rockcli.analysis.compare_datasets import NothingToCompareError
     from rockcli.cli.progress import counted
     from rockcli.errors import StudyError
+    from rockcli.storage.atomic import datasets_below
 
-    names = [{str(file.relative_to(folder)) for file in folder.rglob("*.nc")} for folder in (a, b)]
+    names = [{str(file.relative_to(folder)) for file in datasets_below(folder)} for folder in (a, b)]
     both, only_a, only_b = sorted(names[0] & names[1]), sorted(names[0] - names[1]), sorted(names[1] - names[0])
     if not both:
         raise StudyError(f"{a} and {b} have no dataset of the same name")

@@ -57,10 +57,11 @@ def _intact(paths: Sequence[Path], *, as_json: bool) -> bool:
     from rockcli.cli.progress import counted
     from rockcli.errors import StudyError
     from rockcli.storage import netcdf
+    from rockcli.storage.atomic import datasets_below
 
     files: dict[Path, None] = {}
     for path in paths:
-        found = sorted(path.rglob("*.nc")) if path.is_dir() else [path]
+        found = datasets_below(path) if path.is_dir() else [path]
         if not found or not found[0].is_file():
             raise StudyError("no *.nc in this folder" if path.is_dir() else "no such file or folder", file=path)
         files.update(dict.fromkeys(found))

@@ -218,8 +218,9 @@ def run_study(
         try:
             if share is not None:
                 return _of_share(study, sweep, started)
-            contents = solve(study, sweep=sweep)
-            netcdf.write(contents, path)
+            with netcdf.Writer(path) as sweep.file:
+                contents = solve(study, sweep=sweep)
+                sweep.file.finish(contents)
         except BaseException as error:
             traceback.clear_frames(error.__traceback__)  # gives back what is held where memory may have run out
             kept = False

@@ -51,6 +51,11 @@ def write_text(path: Path, text: str) -> None:
         scratch.write_text(text, encoding="utf-8", newline="")
 
 
+def datasets_below(folder: Path) -> list[Path]:
+    """The files NAME.nc in a folder and its folders, but for those that are just being written."""
+    return sorted(file for file in folder.rglob("*.nc") if not _SCRATCH.fullmatch(file.name))
+
+
 def sweep_leftovers(folder: Path) -> None:
     """Remove scratch files of killed runs; only for who holds the folder's lock."""
     for scratch in folder.iterdir():

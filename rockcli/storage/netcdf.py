@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,26 +40,145 @@ def write(contents: Contents, path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    with replacing(path) as scratch:
+    with Writer(path) as file:
+        file.finish(contents)
+
+
+class _Rest:
+    """What is left to be written of a variable: blocks of its values, of some values each, the first one last."""
+
+    def __init__(self, variable: Any, values: NDArray[Any], most: int = 0) -> None:
+        self.variable, self.values = variable, values
+        self.blocks = list(blocks(values.shape, _pitch(variable), most))[::-1]
+
+    def begins_with(self, n: int) -> bool:
+        """Whether the next block is among the first n values."""
+        last = [part.stop - 1 for part in self.blocks[-1]] if self.blocks else []
+        return bool(last) and int(np.ravel_multi_index(last, self.values.shape)) < n
+
+    def write_next(self) -> None:
+        """Write the next block."""
+        at = self.blocks.pop()
+        self.variable[at or ...] = taken(self.values, at)  # the library works on a copy
+        let_go(self.values)
+
+
+class Writer:
+    """A file that is being written: its large variables while their values are found, all others in the end.
+
+    `path` appears whole, when it is finished, or not at all.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._held = ExitStack()
+        self._scratch: Path | None = None
+        self._file: Any = None
+        self._made: dict[str, Any] = {}
+        self._rests: dict[str, _Rest] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: Any) -> None:
+        self._close()
+        self._held.__exit__(*raised)
+
+    def begin(self, fields: Mapping[str, Field]) -> None:
+        """Make the first variables of the file; the values of those that are compressed come later, in this memory.
+
+        What hinders it is told in the end, if it still does then.
+        """
         try:
-            _write(contents, scratch)
-        except (
-            RuntimeError,
-            OSError,
-        ) as error:  # a system that refuses, in the library's words
-            raise OutputError(f"cannot be written: {_why(scratch, error)}", file=path) from error
+            self._open()
+            for item in fields.values():
+                self._make_dimensions(dict(zip(item.dims, item.values.shape, strict=True)))
+            self._made = {name: _variable(self._file, name, item) for name, item in fields.items()}
+            for name, variable in self._made.items():
+                if not fields[name].coordinate and _pitch(variable):
+                    self._rests[name] = _Rest(variable, fields[name].values, _PIECE)
+        except (RuntimeError, OSError, OutputError):
+            self._forget()
 
+    def know(self, n: int) -> None:
+        """Write a piece of each variable that was begun, where it is among their first n values, known by now."""
+        try:
+            for rest in self._rests.values():
+                if rest.begins_with(n):
+                    rest.write_next()
+        except (RuntimeError, OSError):
+            self._forget()
 
-def _write(contents: Contents, scratch: Path) -> None:
-    import netCDF4
+    def finish(self, contents: Contents) -> None:
+        """Write all that is left.
 
-    with _summed(contents) as digest, netCDF4.Dataset(scratch, "w", format="NETCDF4") as file:
-        for name, size in contents.sizes.items():
-            file.createDimension(name, size)
-        for name, item in contents.fields.items():
-            _write_field(file, contents, name, item)
-        for name, value in (contents.attrs | {checksum.NAME: digest()} | contents.named_axes).items():
-            file.setncattr_string(name, value)
+        Raises:
+            OutputError: it cannot be written.
+        """
+        if not self._goes_on_with(contents):
+            self._forget()
+        try:
+            self._open()
+            self._write(contents)
+            self._file.close()
+        except (RuntimeError, OSError) as error:  # a system that refuses, in the library's words
+            why = _why(self._scratch or self._path, error)
+            raise OutputError(f"cannot be written: {why}", file=self._path) from error
+        self._file = None
+        self._held.close()
+
+    def _goes_on_with(self, contents: Contents) -> bool:
+        """Whether contents begin with the variables there are, those of which values are written in the same memory."""
+        values = {name: contents.fields[name].values for name in self._rests.keys() & contents.fields.keys()}
+        return list(contents.fields)[: len(self._made)] == list(self._made) and all(
+            values[name].__array_interface__ == rest.values.__array_interface__ for name, rest in self._rests.items()
+        )
+
+    def _write(self, contents: Contents) -> None:
+        with _summed(contents) as digest:
+            self._make_dimensions(contents.sizes)
+            for name, item in contents.fields.items():
+                self._write_field(contents, name, item)
+            for name, value in (contents.attrs | {checksum.NAME: digest()} | contents.named_axes).items():
+                self._file.setncattr_string(name, value)
+
+    def _write_field(self, contents: Contents, name: str, item: Field) -> None:
+        variable = self._made[name] if name in self._made else _variable(self._file, name, item)
+        for key, value in item.attrs.items():
+            variable.setncattr(key, value)
+        beside = [other for other, coord in contents.fields.items() if _is_auxiliary(other, coord, item)]
+        if beside and not item.coordinate:
+            variable.setncattr("coordinates", " ".join(beside))
+        if item.is_text:
+            variable[...] = item.values
+            return
+        rest = self._rests[name] if name in self._rests else _Rest(variable, item.values)
+        while rest.blocks:
+            rest.write_next()
+
+    def _open(self) -> None:
+        import netCDF4
+
+        if self._scratch is None:
+            self._scratch = self._held.enter_context(replacing(self._path))
+        if self._file is None:
+            self._file = netCDF4.Dataset(self._scratch, "w", format="NETCDF4")
+
+    def _make_dimensions(self, sizes: Mapping[str, int]) -> None:
+        for name, size in sizes.items():
+            if name not in self._file.dimensions:
+                self._file.createDimension(name, size)
+
+    def _forget(self) -> None:
+        """Begin anew."""
+        self._close()
+        self._made, self._rests = {}, {}
+
+    def _close(self) -> None:
+        if self._file is not None:
+            with contextlib.suppress(RuntimeError, OSError):
+                self._file.close()
+            self._file = None
 
 
 @contextmanager
@@ -85,7 +205,8 @@ def _why(scratch: Path, error: RuntimeError | OSError) -> str:
     return reason(error) if isinstance(error, OSError) else f"no space or memory left, or the folder is gone ({error})"
 
 
-def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
+def _variable(file: Any, name: str, item: Field) -> Any:
+    """A new variable for the values of a field."""
     is_float = item.values.dtype.kind == "f"
     compressed = item.values.size >= _COMPRESSED_FROM and not item.is_text
     variable = file.createVariable(
@@ -97,17 +218,9 @@ def _write_field(file: Any, contents: Contents, name: str, item: Field) -> None:
         complevel=1,
         chunksizes=_piece_of(item.values.shape) if compressed else None,
     )
-    for key, value in item.attrs.items():
-        variable.setncattr(key, value)
-    beside = [other for other, coord in contents.fields.items() if _is_auxiliary(other, coord, item)]
-    if beside and not item.coordinate:
-        variable.setncattr("coordinates", " ".join(beside))
-    if item.is_text:
-        variable[...] = item.values
-        return
-    for at in blocks(item.values.shape, _pitch(variable)):  # the library works on a copy
-        variable[at or ...] = taken(item.values, at)
-        let_go(item.values)
+    if compressed:  # pieces are written whole: none waits in memory for its compression until the file is closed
+        variable.set_var_chunk_cache(size=1, nelems=1, preemption=1.0)
+    return variable
 
 
 def _piece_of(shape: tuple[int, ...]) -> tuple[int, ...]:

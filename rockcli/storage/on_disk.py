@@ -30,7 +30,7 @@ def full(shape: int | tuple[int, ...], fill: Any, dtype: DTypeLike, folder: Path
     """An array of one value; a large one lies in a file without a name, which goes with the process.
 
     Args:
-        shape, fill, dtype: as of `numpy.full`.
+        shape, fill, dtype: as of `numpy.full`; fill None: nothing in particular, and memory is taken as it is set.
         folder: where the file may lie; None = in memory, whatever the size.
 
     Raises:
@@ -40,8 +40,8 @@ def full(shape: int | tuple[int, ...], fill: Any, dtype: DTypeLike, folder: Path
     dtype = np.dtype(dtype)
     size = int(np.prod(shape, dtype=np.int64))
     if folder is None or size * dtype.itemsize <= IN_MEMORY:
-        return np.full(shape, fill, dtype=dtype)
-    piece = np.full(min(size, BLOCK), fill, dtype=dtype).data
+        return np.empty(shape, dtype=dtype) if fill is None else np.full(shape, fill, dtype=dtype)
+    piece = np.full(min(size, BLOCK), 0 if fill is None else fill, dtype=dtype).data
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             for first in range(0, size, BLOCK):
@@ -89,15 +89,16 @@ def in_blocks(*arrays: NDArray[Any]) -> Iterator[Block]:
         let_go(*arrays)
 
 
-def blocks(shape: tuple[int, ...], pitch: tuple[int, ...] = ()) -> Iterator[Block]:
-    """Blocks that cover a shape, of some `BLOCK` values each; one that is empty where there is no dimension.
+def blocks(shape: tuple[int, ...], pitch: tuple[int, ...] = (), most: int = 0) -> Iterator[Block]:
+    """Blocks that cover a shape, of some values each; one that is empty where there is no dimension.
 
     Args:
         shape: of an array.
         pitch: numbers of rows along every dimension of which each block has a multiple, but for the last; () = of one:
             blocks then follow the order of the values.
+        most: values of a block, but for what goes together; 0 = `BLOCK`.
     """
-    return _blocks(shape, pitch or (1,) * len(shape), BLOCK)
+    return _blocks(shape, pitch or (1,) * len(shape), most or BLOCK)
 
 
 def _blocks(shape: tuple[int, ...], pitch: tuple[int, ...], most: int) -> Iterator[Block]:

@@ -316,6 +316,7 @@ def test_two_folders_are_compared_by_name(first: Contents, tmp_path: Path) -> No
     ):
         (tmp_path / folder / name).mkdir(parents=True)
         netcdf.write(contents, tmp_path / folder / name / f"{name}.nc")
+    (tmp_path / "old" / ".one.4711.part.nc").write_text("a run is writing")
     asked = ["compare", str(tmp_path / "old"), str(tmp_path / "new")]
     result = CliRunner().invoke(app, asked)
     assert result.exit_code == 1

@@ -16,7 +16,8 @@ from rockcli.engine import run
 from rockcli.engine.cost import memory
 from rockcli.engine.run import run_study
 from rockcli.engine.summary import SOLVED, UP_TO_DATE
-from rockcli.engine.sweep import parts, results, sweep
+from rockcli.engine.sweep import ahead, executors, parts, results, sweep
+from rockcli.engine.sweep.work import Team
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import Response
 from rockcli.storage import netcdf, on_disk
@@ -81,6 +82,44 @@ def test_more_points_and_a_broken_off_run(tmp_path: Path, monkeypatch: pytest.Mo
     assert (report.taken_over, report.resumed) == (6, 4)
     assert sum(counted) == 60
     assert_same(solved(study()), netcdf.read(tmp_path / "swept" / "swept.nc"))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("refused", [False, True], ids=["written ahead", "refused meanwhile"])
+def test_results_are_written_while_others_are_solved(
+    workers: int, refused: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counting(monkeypatch)
+    run_study(study(), tmp_path / "at once", plots=False)
+    for where, name, value in (
+        (ahead, "WORTH", 0), (netcdf, "_COMPRESSED_FROM", 1), (netcdf, "_PIECE", 4), (sweep, "CHUNK", 4),
+        (executors, "_worth", lambda *_: True),
+    ):  # fmt: skip
+        monkeypatch.setattr(where, name, value)
+    left: list[int] = []
+    written: list[int] = []
+    finish, write = netcdf.Writer.finish, netcdf._Rest.write_next
+
+    def watched(self: netcdf.Writer, contents: Any) -> None:
+        left.extend(len(rest.blocks) for rest in self._rests.values())
+        finish(self, contents)
+
+    def counted(self: netcdf._Rest) -> None:
+        written.append(len(self.blocks))
+        if refused and len(written) == 9:
+            raise RuntimeError("NetCDF: HDF error")
+        write(self)
+
+    monkeypatch.setattr(netcdf.Writer, "finish", watched)
+    monkeypatch.setattr(netcdf._Rest, "write_next", counted)
+    run_study(study(), tmp_path / "ahead", plots=False, team=Team(workers))
+    assert (left == []) if refused else (sum(left) < 0.5 * len(written))
+    paths = [tmp_path / where / "swept" / "swept.nc" for where in ("at once", "ahead")]
+    one, other = map(netcdf.read, paths)
+    assert_same(one, other)
+    assert list(one.fields) == list(other.fields)
+    assert netcdf.is_intact(paths[1])
+    assert [file.name for file in paths[1].parent.iterdir()] == ["swept.nc"]
 
 
 def rows(n: int) -> Study:

@@ -77,7 +77,7 @@ def test_damaged_trials_are_solved_again_and_told(
 ) -> None:
     whole = solve(searched())
     with monkeypatch.context() as once:
-        once.setattr(netcdf, "write", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        once.setattr(netcdf.Writer, "finish", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             run_study(searched(), tmp_path, plots=False)
     part = min((tmp_path / "swept").rglob("*.npz"))
@@ -115,7 +115,7 @@ def test_a_trial_that_fails_is_told(solved: list[float], tmp_path: Path, monkeyp
 def test_a_failure_that_was_kept_is_told(solved: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as once:
         spoilt(once, FloatingPointError("overflow"))
-        once.setattr(netcdf, "write", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        once.setattr(netcdf.Writer, "finish", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             run_study(searched(), tmp_path, plots=False)
     solved.clear()

@@ -136,11 +136,26 @@ def test_a_failed_write_leaves_what_was_there(path: Path, monkeypatch: pytest.Mo
     def breaks(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(netcdf, "_write_field", breaks)
+    monkeypatch.setattr(netcdf.Writer, "_write_field", breaks)
     with pytest.raises(KeyboardInterrupt):
         netcdf.write(contents(), path)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_what_was_written_ahead_is_no_more_than_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values that lie elsewhere in the end, or an order that is not that of the contents, are written anew."""
+    monkeypatch.setattr(netcdf, "_COMPRESSED_FROM", 1)
+    monkeypatch.setattr(netcdf, "_PIECE", 2)
+    wanted, names = contents(), ("tan_alpha", "model", "theta_peak_over_alpha")
+    wanted.fields["theta_peak_over_alpha"].values[:] += 0.25
+    for last in (names, names[::-1]):
+        with netcdf.Writer(tmp_path / "x.nc") as file:
+            file.begin({name: contents().fields[name] for name in last})
+            file.know(4)
+            file.finish(wanted)
+        assert netcdf.is_intact(tmp_path / "x.nc")
+        xarray.testing.assert_identical(to_xarray(wanted), open_dataset(tmp_path / "x.nc"))
 
 
 def test_what_the_library_does_not_tell_may_be_memory(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -150,7 +165,7 @@ def test_what_the_library_does_not_tell_may_be_memory(path: Path, monkeypatch: p
         raise RuntimeError("NetCDF: HDF error")
 
     contents = netcdf.read(path)
-    monkeypatch.setattr(netcdf, "_write", refused)
+    monkeypatch.setattr(netcdf.Writer, "_write", refused)
     with pytest.raises(OutputError, match=r"no space or memory left, .* \(NetCDF: HDF error\)"):
         netcdf.write(contents, path)
 

@@ -34,17 +34,13 @@ from rockcli.study.study import SAMPLE, Study
 def assemble(study: Study, results: Results, thresholds: Thresholds | None = None) -> Contents:
     """Contents of the dataset of a solved study, nothing derived yet; `thresholds` (n,) are what a search found."""
     axes = tuple(axis.name for axis in study.axes)
-    fields = axis_fields(study)
+    fields = first_fields(study, results)
     fields |= _given(study) | _symbols(results, axes) | _edges(results, axes) | _samples(study)
     if results.histories:
         fields["time"] = time_field(results.time)
         fields |= _motions(results, axes)
-    told = ("reason",) if len(results.reason) and not results.reason_asked else ()
-    for name in (*study.scalars, *told):
-        values = results.reason if name == "reason" else results.scalars[name]
-        fields[name] = variable_field(name, axes, values.reshape(study.shape))
-        if name in ("n_impacts", "n_steps", "n_rhs"):
-            fields[name].attrs["comment"] = "-1: no answer"
+    if results.reason_asked or len(results.reason):
+        fields["reason"] = variable_field("reason", axes, results.reason.reshape(study.shape))
     if results.solved is not None:
         fields["solved"] = _solved(results, axes, study.shape)
     if "reason" in fields:
@@ -63,6 +59,20 @@ def assemble(study: Study, results: Results, thresholds: Thresholds | None = Non
         fields["M_base"] = replace(fields["M_base"], attrs=fields["M_base"].attrs | unit)
     contents = Contents(axes, fields, attributes(study, results))
     return contents
+
+
+def first_fields(study: Study, results: Results) -> dict[str, Field]:
+    """What a dataset begins with, known before the last case is solved but for values: axes, scalars over all of them.
+
+    The values are those of `results`, not a copy.
+    """
+    fields = axis_fields(study)
+    for name in study.scalars:
+        if name != "reason":
+            values = results.scalars[name].reshape(study.shape)
+            comment = {"comment": "-1: no answer"} if name in ("n_impacts", "n_steps", "n_rhs") else {}
+            fields[name] = variable_field(name, tuple(axis.name for axis in study.axes), values, **comment)
+    return fields
 
 
 def axis_fields(study: Study) -> dict[str, Field]:

@@ -108,13 +108,15 @@ class ChunkResult(_Travelling):
         )
 
 
-def blank(names: tuple[str, ...], n: int, folder: Path | None = None) -> dict[str, NDArray[Any]]:
+def blank(
+    names: tuple[str, ...], n: int, folder: Path | None = None, *, filled: bool = True
+) -> dict[str, NDArray[Any]]:
     """Scalars of n cases of which nothing is known, (n,) each; `reason` is told by sentences.
 
-    Large ones lie in a folder, None = in memory (`storage.on_disk`).
+    Large ones lie in a folder, None = in memory (`storage.on_disk`).  Not filled, they hold nothing in particular.
     """
     return {
-        name: full(n, UNSAID.get(name, np.nan), DTYPES.get(name, np.float64), folder)
+        name: full(n, UNSAID.get(name, np.nan) if filled else None, DTYPES.get(name, np.float64), folder)
         for name in names
         if name != "reason"
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -71,6 +71,8 @@ class Results:
         solved: (n,) of a refined map, 1 where the case was solved and 0 where its outcome is filled in; else None.
         probes: of a refined map, how many cases were drawn at random, and how many of them had been filled in wrongly.
         folder: where what is too large for memory lies; None = in memory.
+        whole: whether every case gets an answer, so that none has to be laid out without one.
+        ahead: is told of all cases that are answered.
     """
 
     size: int
@@ -90,6 +92,8 @@ class Results:
     solved: NDArray[np.int8] | None = None
     probes: tuple[int, int] = (0, 0)
     folder: Path | None = None
+    whole: bool = False
+    ahead: Callable[[Index, Results], None] | None = None
     _warnings: set[str] = field(default_factory=set)
     _used: list[tuple[int, Used]] = field(default_factory=list)
     _pending: list[ChunkResult] = field(default_factory=list)
@@ -110,7 +114,7 @@ class Results:
 
         Laid out with the first answer, while workers are busy with the next.
         """
-        return blank(self.names, self.size, self.folder)
+        return blank(self.names, self.size, self.folder, filled=not self.whole)
 
     @property
     def reduction(self) -> Reduction:
@@ -150,6 +154,8 @@ class Results:
         self._used = joined([*self._used, *answer.used])
         if answer.histories or answer.impacts:
             self._pending.append(answer)
+        if self.ahead is not None:
+            self.ahead(cases, self)
         self._held += len(cases)
         if self._held > LET_GO:
             self._held = 0
@@ -166,6 +172,7 @@ class Results:
 
     def finish(self) -> None:
         """Number the sentences by the first case that has them and join the histories, whatever the order was."""
+        assert not self.whole or self.answered == self.size, f"{self.answered} of {self.size} cases have an answer"
         order = sorted(self.said.items(), key=lambda item: (item[1].first, item[0]))
         self.reasons = ["", *(sentence for sentence, _ in order)]
         place = np.zeros(len(order) + 1, dtype=np.int32)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rockcli import kernels
 from rockcli.engine.backends import choose
 from rockcli.engine.cost import seconds_in_plain_python, seconds_of_laying_out, seconds_per_case
+from rockcli.engine.sweep.ahead import Ahead, pays
 from rockcli.engine.sweep.chunk_result import ChunkResult, blank, spans_of
 from rockcli.engine.sweep.chunk_symbols import Reduction
 from rockcli.engine.sweep.chunks import CHUNK, Chunks, Pace, Spans, Turned, counted, places_in_turn, without
@@ -32,6 +33,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.laws.models import DEFORMABLE
 from rockcli.scene.response import Response
 from rockcli.scene.variables import GROUND
+from rockcli.storage.netcdf import Writer
 from rockcli.storage.on_disk import full, in_blocks, let_go
 from rockcli.study.cases.buildable import Unsolved, build_isolated, buildable
 from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Index, Study
@@ -57,6 +59,7 @@ class Sweep:
         share: (K, N): only the K-th of N shares of the cases.
         known: answers there are already, of the same numbers.
         folder: where results too large for memory lie until the dataset is written; None = in memory.
+        file: the dataset that is to be written, for what is large to be written ahead.
         progress: called with (cases done, cases in all) after every chunk.
         resumed: afterwards, how many cases the keeper had.
     """
@@ -66,6 +69,7 @@ class Sweep:
     share: tuple[int, int] | None = None
     known: Iterable[ChunkResult] = ()
     folder: Path | None = None
+    file: Writer | None = None
     progress: Progress | None = None
     resumed: int = 0
 
@@ -141,6 +145,9 @@ def solve_cases(study: Study, sweep: Sweep | None = None) -> Results:
 def _solve_cases(study: Study, sweep: Sweep) -> Results:
     keep_freed()
     results = Results.of(study, symbols_of(study, sweep.folder), sweep.folder)
+    results.whole = True
+    if sweep.file is not None and pays(study):
+        results.ahead = Ahead(study, sweep.file).put
     todo = take_known(sweep, results)
     known = results.answered
     chunks = Chunks(study.size, todo if known else None, _by_record(study))
