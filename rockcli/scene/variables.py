@@ -547,6 +547,7 @@ _ROWS: tuple[Variable, ...] = (
         )
         for side in ("left", "right")
     ),
+    Variable("g", r"$g$", CASE, "m s-2", "acceleration of gravity"),
     Variable("a_p", r"$a_p$", CASE, "m s-2", "pulse amplitude"),
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),

@@ -153,8 +153,8 @@ def _beside_axes(
 
 
 def _symbols(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
-    """The symbols over the axes they depend on; those no case has are left out."""
-    found = {name: results.symbols.over(name, axes) for name in COORDINATES}
+    """The symbols over the axes they depend on; those no case has, or that are axes, are left out."""
+    found = {name: results.symbols.over(name, axes) for name in COORDINATES if name not in axes}
     return {name: variable_field(name, *over) for name, over in found.items() if over is not None}
 
 

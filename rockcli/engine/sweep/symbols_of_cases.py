@@ -56,6 +56,7 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
         values = {name: of[:, LEFT] if symmetric else block.of_weak_edge(of) for name, of in both.items()}
         if edges:
             values |= {f"{name}_{side}": of[:, at] for name, of in both.items() for at, side in SIDES}
+        values["g"] = batch.g
         if isinstance(motion, Pulses):
             values |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
         if isinstance(motion, Samples):

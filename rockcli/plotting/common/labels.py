@@ -208,7 +208,13 @@ def two_edged(dataset: xarray.Dataset) -> bool:
 
 
 def _gravity(dataset: xarray.Dataset) -> Any:
-    """g of the cases [m/s²]: over an axis or a table of it, over several datasets, or one number."""
+    """g of the cases [m/s²], over the axes that change it.
+
+    Of datasets of earlier versions over an axis or a table of it, over several datasets, or one number.
+    """
+    if "g" in dataset.variables:
+        g = dataset["g"]
+        return g if g.ndim else float(g)
     varied = next((str(name) for name in dataset.coords if path_of(dataset, str(name)) == "g"), "")
     if varied:
         return dataset[varied]
