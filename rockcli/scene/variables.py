@@ -547,6 +547,13 @@ _ROWS: tuple[Variable, ...] = (
         )
         for side in ("left", "right")
     ),
+    Variable(
+        "pga_uplift",
+        r"PGA$_{\mathrm{uplift}}$",
+        CASE,
+        "m s-2",
+        "asymmetric bodies: the PGA above which the motion, scaled, lifts the body about the edge it reaches first",
+    ),
     Variable("g", r"$g$", CASE, "m s-2", "acceleration of gravity"),
     Variable("a_p", r"$a_p$", CASE, "m s-2", "pulse amplitude"),
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),

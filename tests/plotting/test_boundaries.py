@@ -266,17 +266,24 @@ def test_bodies_of_settings_and_datasets_lift_by_their_own_gravity(tmp_path: Pat
 
 @pytest.mark.parametrize(("b", "to_right"), [([0.3, 0.2], 0.3), ([0.2, 0.3], 0.2)])
 def test_bodies_with_two_edges_lift_about_the_one_they_are_pushed_over(b: list[float], to_right: float) -> None:
-    """Ground that moves to the right alone takes the weight to the left edge; a map has one line, and no side."""
+    """Ground that moves to the right alone takes the weight to the left edge, and to the left alone to the other."""
     pulse = {"shape": "half_sine", "a_p": 2.4525, "T_p": 1.0}
     case: dict[str, Any] = {"block": {"h": 1.0, "b": b}, "motion": {"pulse": pulse}}
     over = {"motion.pulse.a_p": {"from": 0.5, "to": 5.0, "n": 19}, "motion.pulse.T_p": {"from": 0.5, "to": 1.5, "n": 5}}
     data = rockcli.run({"case": case, "vary": over, "save": {"histories": False}})
     still = (data["outcome"] == NO_UPLIFT).all("T_p")
     np.testing.assert_array_equal(still, data["motion_pulse_a_p"] < to_right * 9.81)
-    assert not [line for line in rockcli.plot(data, "map").axes[0].lines if line.get_gid() == "uplift"]
+    both = over | {"motion.pulse.a_p": {"from": -5.0, "to": 5.0, "n": 20}}
+    for varied, levels in ((over, [to_right]), (both, [to_right, to_right - 0.5])):
+        data = rockcli.run({"case": case, "vary": varied, "save": {"histories": False}})
+        lines = [line for line in rockcli.plot(data, "map").axes[0].lines if line.get_gid() == "uplift"]
+        assert [line.get_ydata()[0] for line in lines] == pytest.approx(levels)
     suite = rockcli.run({"case": case, "vary": over, "over": "T_p", "save": {"histories": False}})
-    assert not any("uplift" in text.get_text() for text in rockcli.plot(suite, "ida").legends[0].get_texts())
+    figure = rockcli.plot(suite, "ida")
+    assert [to_right] in [pytest.approx([line.get_ydata()[0]]) for line in figure.axes[0].lines]
+    assert "uplift about either edge" in [text.get_text() for text in figure.legends[0].get_texts()]
     one = rockcli.run({"case": case})
+    assert float(one["pga_uplift"]) == pytest.approx(to_right * 9.81)
     (said,) = (fact for fact in facts_of(one) if fact.what == "lifts from")
     assert (said.value, said.sentence) == ("0.2 g", "ground acceleration, g tan(alpha) of the weaker edge")
     marks = {text.get_text(): text.xy[1] for axes in rockcli.plot(one, "histories").axes for text in axes.texts}

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.measures import peaks, peaks_of_both_signs
+from rockcli.analysis.measures import peaks
+from rockcli.analysis.uplift import lifts_at
 from rockcli.motion.spectrum import forcing, pseudo_acceleration
-from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
-from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents
 from rockcli.study.cases.buildable import buildable
@@ -91,41 +90,9 @@ def _spectral(study: Study, period: float, *, of_ground: bool) -> Array:
 def moves_at(study: Study, *, slides: bool) -> Array:
     """Peak horizontal acceleration at and below which the body of every case does not lift, (n,) [m/s^2].
 
-    If `slides`, at and below which it does not slip either, which friction may allow before.
-
-    NaN where that is not known: bodies that move at t = 0, vertical motion, deformable bodies, FEMA-356 on a spectrum.
+    If `slides`, at and below which it does not slip either, which friction may allow before.  NaN: see `lifts_at`.
     """
     found = np.full(study.size, np.nan)
-    for indices, asked in buildable(study.batches, np.arange(study.size)):
-        batch = highest(asked)  # of model auto
-        row = MODELS.get((batch.model, batch.geometry))
-        if row is None or batch.excitation.vertical is not None or batch.base is not None:
-            continue
-        still = (batch.theta_0 == 0.0) & (batch.theta_dot_0 == 0.0)
-        still &= True if batch.slide_rate_0 is None else batch.slide_rate_0 == 0.0
-        threshold = _threshold(batch)
-        if slides:
-            threshold = np.fmin(threshold, batch.block.mu)
-        found[indices] = np.where(still, batch.g * threshold, np.nan)
+    for indices, batch in buildable(study.batches, np.arange(study.size)):
+        found[indices] = lifts_at(batch, slides=slides)
     return found
-
-
-def _threshold(batch: Batch) -> Array:
-    """Peak acceleration over g at which the motion of every case, scaled, lifts the body about one of its edges, (n,).
-
-    Of two unequal edges each is reached by the motion towards one side alone.
-    """
-    alpha, scheme = batch.block.alpha, batch.damping.fema356
-    if scheme is not None:  # its own threshold, of the weaker edge; of the PGA where no spectrum is asked
-        of_pga = np.isnan(scheme.fixed_base_period) & (scheme.spectrum is None)
-        return np.where(of_pga, scheme.W_over_Mg * batch.block.of_weak_edge(batch.block.tan_alpha), np.nan)
-    left, right = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha)).threshold.T
-    nearer = np.minimum(left, right)
-    motion = batch.excitation.horizontal
-    if motion is None or (left == right).all():
-        return np.asarray(nearer)
-    # a_g > 0 lifts the body about its left edge
-    to_left, to_right = peaks_of_both_signs(motion, batch.size, batch.excitation.duration).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        first = np.maximum(to_left, to_right) / np.maximum(to_left / left, to_right / right)
-    return np.asarray(np.where((left == right) | ~np.isfinite(first), nearer, first))

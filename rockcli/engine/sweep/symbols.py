@@ -15,8 +15,8 @@ from rockcli.study.study import Index
 
 Array = NDArray[np.float64]
 
-EDGES = tuple(f"{name}_{side}" for name in ("R", "alpha", "p", "eta") for side in ("left", "right"))
-"""Symbols of either edge of an asymmetric body."""
+EDGES = (*(f"{name}_{side}" for name in ("R", "alpha", "p", "eta") for side in ("left", "right")), "pga_uplift")
+"""Symbols of either edge of an asymmetric body, and from where it lifts about one of them."""
 
 LOOKED_AT = 64
 """Points of an axis looked at to see what changes along it."""

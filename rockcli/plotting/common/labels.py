@@ -157,6 +157,12 @@ def lifts_word(dataset: xarray.Dataset) -> str:
     return "$ or $".join(lifts_words(dataset))
 
 
+def uplift_label(dataset: xarray.Dataset) -> str:
+    """What a line of uplift is, for legends."""
+    which = " about either edge" if two_edged(dataset) else f", ${lifts_word(dataset)}$"
+    return f"uplift{lifts_without(dataset)}{which}"
+
+
 def lifts_without(dataset: xarray.Dataset) -> str:
     """` without vertical motion and slip`: what changes where a body lifts and is not in `lifts_from`; or nothing."""
     slides = "outcome" in dataset.variables and bool((dataset["outcome"].values == SLIDING).any())

@@ -18,12 +18,11 @@ from rockcli.plotting.common.labels import (
     coordinate_label,
     has_floors,
     lifts_from,
-    lifts_without,
-    lifts_word,
     path_of,
     shown_unit,
     title_of,
     two_edged,
+    uplift_label,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -137,7 +136,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if look["dashes"]:
             words[-1].set_dashes(look["dashes"])
     if lifts:
-        words.append(Line2D([], [], label=f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$", **LIFTS))
+        words.append(Line2D([], [], label=uplift_label(dataset), **LIFTS))
     legend_below(figure, words)
     said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
     note = "; ".join(filter(None, [left_out_words(dataset, suite, shown), some, said]))
@@ -176,12 +175,19 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
 def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
     peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
-    if not peak_of_ground or "alpha" not in part.variables or has_floors(part) or two_edged(part):
+    if not peak_of_ground or "alpha" not in part.variables or has_floors(part):
         return False
     lifts = lifts_from(part)
-    if lifts.ndim or np.isnan(float(lifts)):
+    if two_edged(part):  # to each side about an edge of its own: one number where all members are alike
+        if "pga_uplift" not in part.variables:
+            return False
+        lifts = part["pga_uplift"]
+        if along in lifts.dims:
+            lifts = lifts.isel({along: np.flatnonzero(part[along].values > 0.0)})
+    level = np.unique(lifts.values)
+    if not level.size or not np.ptp(level) <= 1e-9 * level[0]:
         return False
-    axes.axhline(float(lifts) / shown_unit(part, along)[0], zorder=0, **LIFTS)
+    axes.axhline(float(level[0]) / shown_unit(part, along)[0], zorder=0, **LIFTS)
     return True
 
 

@@ -22,12 +22,12 @@ from rockcli.plotting.common.labels import (
     deforms,
     has_floors,
     lifts_from,
-    lifts_without,
     lifts_word,
     path_of,
     shown_unit,
     title_of,
     two_edged,
+    uplift_label,
     variable_label,
 )
 from rockcli.plotting.common.style import (
@@ -135,7 +135,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         bar.set_label("rocking: " + variable_label("theta_peak_over_alpha"))
         bar.outline.set_linewidth(0.4)
     slides = bool(_tilts_and_slides(dataset, dataset["outcome"].dims).any())
-    uplift = f"uplift{lifts_without(dataset)}, ${lifts_word(dataset)}$" if lifts else ""
+    uplift = uplift_label(dataset) if lifts else ""
     _legend(figure, present, bounded, shaded=peaks is not None, slides=slides, uplift=uplift)
     headline(figure, title_of(dataset), selection_note(len(shown), total, "maps"))
     if width < natural:  # a layout takes longer than all else
@@ -182,26 +182,43 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     """Draw the amplitude at which a rigid body lifts, over an axis of amplitudes; whether it is in the map."""
     x, y = found
     role = path_of(dataset, y).rsplit(".", 1)[-1]
-    if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset) or two_edged(dataset):
+    if role not in _ACCELERATIONS or has_floors(dataset) or deforms(dataset):
         return False
     over = role.endswith("_over_g_tan_alpha")
-    if over and "tan" in lifts_word(dataset):
-        level = np.ones(dataset.sizes[x])
+    if two_edged(dataset):
+        levels = _of_two_edges(dataset, x, y, over=over)
+    elif over and "tan" in lifts_word(dataset):
+        levels = [np.ones(dataset.sizes[x])]
     elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
         alpha = dataset["alpha"].values
         shown = alpha / np.tan(alpha) if over else lifts.values / shown_unit(dataset, y)[0]
-        level = np.broadcast_to(shown, dataset.sizes[x])
+        levels = [np.broadcast_to(shown, dataset.sizes[x])]
     else:
         return False
     low, high = axes.get_ylim()
-    if not ((level > low) & (level < high)).any():
-        return False
+    levels = [level for level in levels if ((level > low) & (level < high)).any()]
     at = axis_values(dataset, x)
     order = np.argsort(at)
     along = np.concatenate([axes.get_xlim()[:1], at[order], axes.get_xlim()[1:]])  # to the borders of the outer cells
-    level = np.pad(level[order], 1, mode="edge")
-    axes.plot(along, level, zorder=5, gid=UPLIFT, **LIFTS)
-    return True
+    for level in levels:
+        axes.plot(along, np.pad(level[order], 1, mode="edge"), zorder=5, gid=UPLIFT, **LIFTS)
+    return bool(levels)
+
+
+def _of_two_edges(dataset: xarray.Dataset, x: str, y: str, *, over: bool) -> list[Array]:
+    """Amplitudes over x at which a body with two different edges lifts, of either sign that the axis y has."""
+    if "pga_uplift" not in dataset.variables:
+        return []
+    lifts, weaker = (_over(dataset, item, (y, x)) for item in (dataset["pga_uplift"], lifts_from(dataset)))
+    levels = lifts / (weaker if over else shown_unit(dataset, y)[0])
+    return [sign * levels[rows][0] for sign in (1.0, -1.0) if (rows := sign * dataset[y].values > 0.0).any()]
+
+
+def _over(dataset: xarray.Dataset, item: xarray.DataArray, axes: tuple[str, ...]) -> Array:
+    """The values of an item over some axes, also those on which it does not depend."""
+    own = item.transpose(*(axis for axis in axes if axis in item.dims)).values
+    index = tuple(slice(None) if axis in item.dims else None for axis in axes)
+    return np.broadcast_to(own[index], [dataset.sizes[axis] for axis in axes])
 
 
 def _tilts_and_slides(dataset: xarray.Dataset, axes: tuple[Hashable, ...]) -> NDArray[np.bool_]:
