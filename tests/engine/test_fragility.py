@@ -651,3 +651,22 @@ def test_a_search_with_stable_islands_says_that_lower_bands_may_be_missed(n: int
     assert int((islands > 0).sum()) > 0
     assert [one.split(" cases")[0] for one in said] == [f"{int((islands > 0).sum())} of 12"]
     assert f"the {n} points" in said[0]
+
+
+def test_curves_of_amplitudes_with_a_sign_are_of_the_positive_ones() -> None:
+    """Pulses turned round are other motions: the curve over the others is that of a suite without them."""
+    case = {"block": {"h": 1.0, "b": [0.3, 0.2]}, "motion": {"pulse": {"shape": "half_sine", "a_p": 1.0, "T_p": 1.0}}}
+    vary = {"motion.pulse.T_p": {"from": 0.4, "to": 1.2, "n": 9}}
+    amplitudes = np.linspace(0.5, 9.0, 9)
+    positive, both = (
+        rockcli.run({"case": case, "vary": vary | {"motion.pulse.a_p": list(map(float, a))}, "over": "T_p"})
+        for a in (amplitudes, np.concatenate([-amplitudes, amplitudes]))
+    )
+    for name in ("begins_at", "median", "beta", "median_ci_low"):
+        np.testing.assert_allclose(both[f"fragility_{name}"], positive[f"fragility_{name}"], rtol=1e-12)
+    assert float(both["fragility_begins_at"]) == pytest.approx(0.3 * 9.81)
+    (said,) = (s for s in json.loads(both.attrs["warnings"]) if "alone" in s)
+    assert "of positive motion_pulse_a_p alone: 9 of its 18 values are negative" in said
+    assert not [s for s in json.loads(positive.attrs["warnings"]) if "alone" in s]
+    titles = [rockcli.plot(of, "fragility").get_suptitle() for of in (both, positive)]
+    assert ["positive $a_p$ alone" in title for title in titles] == [True, False]

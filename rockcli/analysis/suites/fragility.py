@@ -354,7 +354,7 @@ def _begins(contents: Contents, study: Study, over: Over, x: Array, of_bodies: A
     slides = any(limit.quantity != PEAK for limit in over.limits)
     scale = moves_at(study, slides=slides).reshape(contents.shape) / pga
     at_uplift = of_bodies(x * (scale**2 if name == "arias" else scale))
-    known = ~np.isnan(of_bodies(x)) & (of_bodies(pga) > 0.0)
+    known = (of_bodies(x) > 0.0) & (of_bodies(pga) > 0.0)  # motions turned round are other ones
     unknown = (np.isnan(at_uplift) & known).any(axis=(-2, -1))
     lowest = np.where(known, at_uplift, np.inf).min(axis=(-2, -1))
     highest = np.where(known, at_uplift, -np.inf).max(axis=(-2, -1))

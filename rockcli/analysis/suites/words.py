@@ -64,6 +64,7 @@ def warnings(contents: Contents, study: Study) -> list[str]:
         *of_what_arrives(contents, (study.over.intensity, study.over.second)),
         *_drawn_anew(study.over),
         *_begins_surely(contents, study.over),
+        *_of_positive(contents, study.over),
         *_left_out(contents, study, study.over),
         *_divided(contents),
         *_below(contents, study),
@@ -111,6 +112,20 @@ def _begins_surely(contents: Contents, over: Over) -> Iterator[str]:
         yield (
             "beta_added widens what curves are above where they begin, which it takes as known: small percentiles "
             "hardly feel it; where uplift is uncertain too, `begins_at: 0` widens the whole"
+        )
+
+
+def _of_positive(contents: Contents, over: Over) -> Iterator[str]:
+    """A motion turned round is another one, and a curve over the logarithm has no room for it."""
+    name = over.told_against
+    against = contents.fields.get("fragility_intensity", contents.fields.get(name))
+    if "fragility_median" not in contents.fields or against is None:
+        return
+    negative = int((against.values < 0.0).sum())
+    if negative:
+        yield (
+            f"fragility curves are of positive {name} alone: {negative} of its {against.values.size} values are "
+            "negative; `intensity: pga` takes motions of both signs together"
         )
 
 

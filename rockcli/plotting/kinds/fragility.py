@@ -99,10 +99,18 @@ def draw(dataset: xarray.Dataset) -> Figure:
     words = f"{points}{limits}: 95 % limits"
     words += " of the medians" if limits == "bars" else ""
     missing = left_out_words(dataset, suite, shown)
-    notes = [members_word(dataset, suite), missing, second_words(dataset), words, note]
+    signed = _turned(dataset, suite)
+    notes = [members_word(dataset, suite), signed, missing, second_words(dataset), words, note]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
+
+
+def _turned(dataset: xarray.Dataset, suite: Suite) -> str:
+    """That motions turned round have no part in the curves, where the intensity has a sign; "" where it has none."""
+    name = suite.told_against
+    signed = name in dataset.dims and bool((dataset[name].values < 0.0).any())
+    return f"positive {axis_symbol(dataset, name)} alone" if signed else ""
 
 
 def _entries(grid: list[Axes]) -> list[Artist]:
