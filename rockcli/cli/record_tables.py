@@ -64,6 +64,14 @@ def spectrum_of(motion: Motion, g: float, periods: Array) -> Array:
     return pseudo_acceleration(forcing, periods)
 
 
+def pair_spectra(one: Motion, two: Motion, g: float, periods: Array) -> tuple[Array, Array]:
+    """RotD50 and RotD100 of the pseudo-acceleration of two components at 5 % damping, (m,) each [m/s²]."""
+    from rockcli.motion.rotated import rotated_spectrum
+    from rockcli.motion.spectrum import DAMPING
+
+    return rotated_spectrum(one.acceleration(g), two.acceleration(g), one.dt, periods, DAMPING)
+
+
 def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> dict[str, float]:
     """RotD50 and RotD100 of PGA, PGV and Sa(T) of two components.
 
@@ -74,8 +82,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
 
     from rockcli.errors import RecordError
     from rockcli.motion.direction import not_a_pair, refuse_other_start
-    from rockcli.motion.rotated import rotated_measures, rotated_spectrum
-    from rockcli.motion.spectrum import DAMPING
+    from rockcli.motion.rotated import rotated_measures
 
     for motion in (one, two):  # as pairs of a folder of three components, or where one is missing, would be
         if motion.is_vertical:
@@ -89,7 +96,7 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
     a, b = one.acceleration(g), two.acceleration(g)
     found = rotated_measures(a, b, one.dt)
     if periods:
-        spectra = rotated_spectrum(a, b, one.dt, np.array(periods, dtype=float), DAMPING)
+        spectra = pair_spectra(one, two, g, np.array(periods, dtype=float))
         for i, period in enumerate(periods):
             found[f"sa({period:g})"] = (float(spectra[0][i]), float(spectra[1][i]))
     ends = ("rotd50", "rotd100")

@@ -57,7 +57,10 @@ def info(
         bool, typer.Option("--rotd", help="The files are pairs of components: RotD50 and RotD100 of each.")
     ] = False,
     spectrum: Annotated[
-        Path | None, typer.Option("--spectrum", metavar="FILE", help="Draw the response spectra: .png, .pdf, .svg.")
+        Path | None,
+        typer.Option(
+            "--spectrum", metavar="FILE", help="Draw the response spectra, with --rotd of the pairs: .png, .pdf, .svg."
+        ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of a table.")] = False,
 ) -> None:
@@ -121,8 +124,8 @@ def info(
                 say(f"rock: {' '.join(filter(None, (str(file), motion.component)))}: {remark}", err=True)
     if json:
         say(json_module.dumps(rows, indent=2))
-    if spectrum is not None and motions:
-        _draw(spectrum, sources, motions, g)
+    if spectrum is not None and motions and not (rotd and complaints):
+        _draw(spectrum, sources, motions, g, rotd=rotd)
     if not rows and not complaints:
         raise RecordError("no record in it can be read", files[0])
     for complaint in complaints[:-1]:
@@ -167,24 +170,37 @@ def _components(file: Path, component: str | None, units: str | None, dt: float 
     return [_read(file, one, units, dt) for one in components_of(file)]
 
 
-def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float) -> None:
+def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float, *, rotd: bool) -> None:
+    """The spectra of records, or of pairs in every direction: of more than can be told apart RotD50 alone."""
     import os
 
     import numpy as np
 
-    from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, spectrum_of
+    from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, pair_spectra, spectrum_of
+    from rockcli.plotting.common.style import MOST_CURVES
     from rockcli.plotting.record_spectra import draw
     from rockcli.storage.atomic import replacing
 
     periods = np.geomspace(SHORTEST, LONGEST, POINTS)
     places = [file.absolute() for file in sources]
     shared = os.path.commonpath([place.parent for place in places])  # of all files: names tell the rest
-    spectra = [
-        (f"{place.relative_to(shared)} {motion.component}".rstrip(), spectrum_of(motion, g, periods) / g)
+    names = [
+        f"{place.relative_to(shared)} {motion.component}".rstrip()
         for place, motion in zip(places, motions, strict=True)
     ]
+    title = "Response spectra, 5 % damping"
+    if rotd:
+        ends = ("RotD50", "RotD100") if len(names) <= MOST_CURVES else ("RotD50",)
+        title = f"Response spectra in every direction, {' and '.join(ends)}, 5 % damping"
+        spectra = [
+            (f"{', '.join(names[i : i + 2])}: {end}", values / g)
+            for i in range(0, len(names), 2)
+            for end, values in zip(ends, pair_spectra(motions[i], motions[i + 1], g, periods), strict=False)
+        ]
+    else:
+        spectra = [(name, spectrum_of(motion, g, periods) / g) for name, motion in zip(names, motions, strict=True)]
     with replacing(path) as scratch:
-        draw(scratch, periods, spectra, "Response spectra, 5 % damping")
+        draw(scratch, periods, spectra, title)
     say(str(path), err=True)
 
 

@@ -24,17 +24,31 @@ POINTS_PER_STEP = 4
 _AT_ONCE = 20_000
 """Points turned at a time."""
 
+_FARTHEST = 500
+"""Points of largest amplitude by which most of the others are seen to be the peak in no direction."""
 
-def rotated(x: ArrayLike, y: ArrayLike) -> tuple[float, float]:
+
+def rotated(one: ArrayLike, two: ArrayLike) -> tuple[float, float]:
     """RotD50 and RotD100 of two components, (k,) each: median and largest over the directions of the peaks."""
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    x, y = np.asarray(one, dtype=float), np.asarray(two, dtype=float)
     angle = np.pi * np.arange(ANGLES) / ANGLES
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    peak = np.zeros(ANGLES)
+    if len(x) > 2 * _FARTHEST:
+        far = np.hypot(x, y)
+        first = far >= np.partition(far, -_FARTHEST)[-_FARTHEST]
+        kept = first | (far >= _peaks(x[first], y[first], cos, sin).min() * (1.0 - 1e-12))
+        x, y = x[kept], y[kept]
+    peak = _peaks(x, y, cos, sin)
+    return float(np.median(peak)), float(peak.max())
+
+
+def _peaks(x: Array, y: Array, cos: Array, sin: Array) -> Array:
+    """Peaks of two components (k,) in directions of these cosines and sines, (m, 1) each: (m,)."""
+    peak = np.zeros(len(cos))
     for i in range(0, len(x), _AT_ONCE):
         turned = np.abs(cos * x[i : i + _AT_ONCE] + sin * y[i : i + _AT_ONCE])
         peak = np.maximum(peak, turned.max(axis=1))
-    return float(np.median(peak)), float(peak.max())
+    return peak
 
 
 def rotated_measures(one: Array, two: Array, dt: float) -> dict[str, tuple[float, float]]:

@@ -168,6 +168,29 @@ def test_spectra_are_drawn(tmp_path: Path, suffix: str) -> None:
         run("info", ONE, "--sa", "0")
 
 
+def test_spectra_of_pairs_are_drawn_in_every_direction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one, two, dt = pair(400)
+    paths = []
+    for name, values in (("a", one), ("b", two)):
+        paths.append(tmp_path / f"{name}.txt")
+        paths[-1].write_text("# units: m/s2\n" + "".join(f"{x:.12e}\n" for x in values))
+    out, drawn = tmp_path / "s.svg", []
+    monkeypatch.setattr("rockcli.cli.record_tables.POINTS", 9)
+    run("info", *paths, "--rotd", "--dt", dt, "--spectrum", out)
+    for words in ("a.txt, b.txt: RotD50", "a.txt, b.txt: RotD100", "in every direction"):
+        assert words in out.read_text()
+    monkeypatch.setattr("rockcli.plotting.record_spectra.draw", lambda path, *said: drawn.append((path.touch(), *said)))
+    run("info", *paths, "--rotd", "--dt", dt, "--g", G, "--spectrum", out)
+    ((_, periods, spectra, _),) = drawn
+    angles = np.radians(np.arange(180))[:, None]
+    turned = np.cos(angles) * one + np.sin(angles) * two
+    for i in (3, 6):
+        peaks = spectral(turned, dt, periods[i]) / G
+        assert [values[i] for _, values in spectra] == pytest.approx([np.median(peaks), peaks.max()], rel=1e-3)
+    run("info", *paths * 6, "--rotd", "--dt", dt, "--spectrum", out)
+    assert [name for name, _ in drawn[1][2]] == 6 * ["a.txt, b.txt: RotD50"]
+
+
 def test_a_record_of_zeros_has_a_spectrum_too(tmp_path: Path) -> None:
     silent = tmp_path / "silent.txt"
     silent.write_text("# units: g\n# dt: 0.01\n" + 5 * "0\n")
