@@ -42,7 +42,7 @@ from rockcli.study.document.check import check_study, check_with_base
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, stated_number
 from rockcli.study.document.loader import load_file, load_mapping
-from rockcli.study.document.overrides import apply_overrides, without_effect
+from rockcli.study.document.overrides import apply_overrides, settings_of, without_effect
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, Where, place, value_at
 from rockcli.study.expect import check_histories, match, read_expect
@@ -99,7 +99,7 @@ def open_study(
     where = Source(None if isinstance(source, dict) else Path(source))
     source, given = taken_out(source) if isinstance(source, dict) else (source, {})
     tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
-    tree = apply_overrides(expanded(tree), overrides)
+    tree = apply_overrides(expanded(tree), settings_of(overrides))
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
     cases, uncertain, sought = _with_axes(where, tree, part, base, Records(where, given=given, readers=readers))

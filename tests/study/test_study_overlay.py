@@ -106,6 +106,17 @@ class TestKeyByKey:
         assert made["initial"] == {"theta": 0.01, "theta_dot": 0.1}
         assert made["block"] == {"h": 1, "b": 0.2, "top": 3.0, "mu": 0.6}
 
+    @pytest.mark.parametrize("base", [{"R": 2, "tan_alpha": 0.2}, {"outline": [[0, 0], [1, 0], [1, 4], [0, 4]]}])
+    def test_two_sizes_by_two_options_are_those_of_the_body(self, base):
+        base = {"block": base | {"top": 3.0}, "initial": {"theta": 0.01}}
+        sets = [("case.block.b", "0.3"), ("case.block.R", "1.5"), ("case.block.b", "0.2")]
+        for given in (sets, sets[1:], sets[:0:-1]):
+            (made,) = cases_of(base, overrides=given)
+            assert made["block"] == {"R": 1.5, "b": float(dict(given)["case.block.b"]), "top": 3.0}
+        for wrong in ([*sets, ("case.block.height", "3")], sets[:1]):
+            with pytest.raises(StudyError, match=r"R|outline"):
+                open_study({"name": "x", "case": base}, overrides=wrong)
+
     def test_what_is_no_part_of_the_case_is_set_as_a_whole(self):
         study = {"name": "x", "case": BASE, "vary": {"block.mu": {"from": 0.3, "to": 0.6, "n": 2, "spacing": "log"}}}
         opened = open_study(study, overrides=[("vary.block.mu", "{from: 0.2, to: 0.6, n: 3}")])

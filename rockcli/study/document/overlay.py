@@ -65,6 +65,12 @@ def alternatives(key: str) -> frozenset[str]:
     return next((group - {key} for group in ALTERNATIVES if key in group), frozenset())
 
 
+def sizes_of(block: dict[str, Any]) -> list[frozenset[str]]:
+    """Which sizes of a body a mapping says."""
+    said = {key for key, value in block.items() if value is not None}
+    return [size for size in SIZES if said & size]
+
+
 def displaced(over: dict[str, Any]) -> set[str]:
     """Keys that go where a mapping is laid over them, unless it says them itself.
 
@@ -73,7 +79,7 @@ def displaced(over: dict[str, Any]) -> set[str]:
     """
     said = {key for key, value in over.items() if value is not None}
     gone = {other for key in said for other in alternatives(key)}
-    if sum(bool(said & size) for size in SIZES) >= 2:
+    if len(sizes_of(over)) >= 2:
         gone |= _ALL_SIZES | {*OUTLINES} | {"density", "depth"} | _OF_OUTLINE | _OF_MESH | {"stands"}
         gone |= set() if "depth" in said else {"plane"}
     if said & {*OUTLINES}:

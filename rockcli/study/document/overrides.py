@@ -8,25 +8,41 @@ from rockcli.errors import StudyError
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import fields_at
 from rockcli.study.document.loader import NAMES, load_value
-from rockcli.study.document.overlay import leaves, overlaid, remaining
+from rockcli.study.document.overlay import Setting, leaves, overlaid, remaining, sizes_of
 from rockcli.study.document.paths import likely, resolve
 from rockcli.study.document.tree import Map, meant, nearest, value_at
-from rockcli.study.schema import StudyPart
+from rockcli.study.schema import OUTLINES, StudyPart
+
+_OF_BODY = ("case", "block")
 
 
-def apply_overrides(study: Map, overrides: Sequence[tuple[str, str]]) -> Map:
-    """The study with every (path, text of a YAML value) laid over it in order.
+def settings_of(overrides: Sequence[tuple[str, str]]) -> list[Setting]:
+    """Every (path, text of a YAML value) as a setting.
 
     Raises:
         StudyError: a path that a study does not have, or a value that is no YAML.
     """
+    found: list[Setting] = []
     for path, text in overrides:
         label = _label(path, text)
         keys = _keys(path, label)
         value = load_value(text, label, named=keys[0] in NAMES)
         if isinstance(value, Map):
             value.whole = keys[0] != "case"  # axes, symbols and what is saved are set as a whole
-        study = overlaid(study, [(keys, value, label)])
+        found.append((keys, value, label))
+    return found
+
+
+def apply_overrides(study: Map, settings: Sequence[Setting]) -> Map:
+    """The study with every override laid over it in order; sizes that only together say a body together."""
+    for setting in settings:
+        study = overlaid(study, [setting])
+    block = value_at(study, _OF_BODY)
+    if isinstance(block, Map) and (len(sizes_of(block)) > 2 or any(block.get(key) is not None for key in OUTLINES)):
+        own = {path[-1]: (path, value, where) for path, value, where in settings if path[:-1] == _OF_BODY}
+        left = Map({key: value for key, (_, value, _) in own.items() if block.get(key) is value})
+        if len(sizes_of(left)) == 2:
+            study = overlaid(study, [own[key] for key in left])
     return study
 
 
