@@ -57,6 +57,7 @@ from rockcli.study.study import BASES, SAMPLE, Axis, Expect, Index, Over, Study,
 from rockcli.study.unused import (
     alternatives_left_out,
     overridden_axes,
+    overridden_by_options,
     replaced_records,
     rules_without_friction,
     strengths_left_out,
@@ -99,7 +100,8 @@ def open_study(
     where = Source(None if isinstance(source, dict) else Path(source))
     source, given = taken_out(source) if isinstance(source, dict) else (source, {})
     tree = load_mapping(source) if isinstance(source, dict) else load_file(Path(source))
-    tree = apply_overrides(expanded(tree), settings_of(overrides))
+    said, settings = expanded(tree), settings_of(overrides)
+    tree = apply_overrides(said, settings)
     part = _check_top(where, tree)
     base = Map({"case": tree["case"], "let": tree.get("let") or Map()}, tree.where)
     cases, uncertain, sought = _with_axes(where, tree, part, base, Records(where, given=given, readers=readers))
@@ -146,6 +148,7 @@ def open_study(
         inputs=dict(sorted(where.inputs.hashes.items())),
         processing=found.processing(),
         warnings=(
+            *overridden_by_options(said, tree, settings),
             *_ineffective(tree, part, base, variations, overrides),
             *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),

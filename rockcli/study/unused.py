@@ -131,6 +131,39 @@ def strengths_left_out(study: Map, variations: Iterable[Variation]) -> list[str]
     return said
 
 
+def overridden_by_options(said: Map, study: Map, settings: Iterable[Setting]) -> list[str]:
+    """A sentence per `--set` that drops what the study file says of a record, or a strength beside a factor.
+
+    `said`: what the file says; `study`: what it comes to, in which nothing of it is left or was set again.
+    """
+    found = []
+    for keys, value, label in settings:
+        one = overlaid({}, [(keys, value, label)])
+        for at in (("case", "motion", "record"), ("case", "motion", "vertical", "record")):
+            record, now = (value_at(tree, at) for tree in (one, study))
+            gone = _gone(value_at(said, at), now)
+            if gone and len(keys) <= len(at) and isinstance(record, Map) and record.whole:
+                keys_lost, file = " and ".join(f"`{key}`" for key in gone), ".".join((*at, "file"))
+                found.append(f"{label} replaces the whole record, {keys_lost} with it; {file} changes the file only")
+        for of_motion, factor in _FACTORS:
+            taken = all(value_at(tree, (*of_motion, factor)) is not None for tree in (one, study))
+            lost = _gone(value_at(said, of_motion), value_at(study, of_motion))
+            strengths = [key for key in lost if key in alternatives(factor)]
+            if taken and strengths and not any(str(label) in sentence for sentence in found):
+                name = ".".join((*of_motion[1:], strengths[0]))
+                found.append(
+                    f"{name} of the study counts for nothing beside {label}: its factor is on the motion as is"
+                )
+    return found
+
+
+def _gone(before: Any, now: Any) -> list[str]:
+    """Keys of a mapping, but that of the file, of which nothing is left."""
+    left = now if isinstance(now, dict) else {}
+    said = before.items() if isinstance(before, dict) else ()
+    return [key for key, value in said if key != "file" and value is not None and left.get(key) is None]
+
+
 _FACTORS = (
     (("case", "motion", "record"), "scale"),
     (("case", "motion", "vertical", "record"), "scale"),

@@ -292,3 +292,23 @@ def test_factors_are_not_on_a_strength_of_the_base_case(motion, vary, name, axis
     assert [each.startswith(f"{name} of the base case counts for nothing beside {axis}: its") for each in told] == (
         [True] * bool(name)
     )
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        ([("motion.record.scale", "2")], "motion.record.pga of the study counts for nothing beside --set"),
+        ([("motion.record", "{scale: 2}")], "motion.record.pga of the study counts for nothing beside --set"),
+        ([("motion.record", "synthetic_pulse_m70.AT2")], "replaces the whole record, `pga` with it"),
+        ([("motion.record", "synthetic_pulse_m70.AT2"), ("motion.record.pga", "3")], ""),
+        ([("motion.record.scale", "2"), ("motion.record.pga", "3")], ""),
+        ([("motion.record.pga", "3")], ""),
+        ([("motion.record.file", "synthetic_pulse_m70.AT2")], ""),
+    ],
+)
+def test_what_options_drop_of_a_record_is_told(sets, said):
+    """`--set case.motion.record.scale=2` of a record at 0.4 g is twice the record as it is, whatever its strength."""
+    record = {"file": "synthetic_rock_m65.AT2", "pga": "0.4*g"}
+    study = {"name": "x", "case": {"block": BLOCK, "motion": {"record": record}}}
+    told = open_study(study, overrides=[(f"case.{path}", value) for path, value in sets]).warnings
+    assert [said in each for each in told] == [True] * bool(said)
