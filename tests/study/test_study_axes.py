@@ -1,5 +1,6 @@
 """Axes and batches: coordinates, names, and that a million cases are a few array operations."""
 
+import json
 import re
 
 import numpy as np
@@ -116,6 +117,24 @@ class TestForms:
         (tmp_path / "t.csv").write_text('name,h,b\nkouros,0.98,"[0.17, 0.2, 0.3]"\n', encoding="utf-8")
         with pytest.raises(StudyError, match=r"t\.csv:2: case\.block\.b: a number, or the two distances"):
             study_of({"block": "t.csv"}, tmp_path)
+
+    def test_cells_of_g_are_numbers_in_the_columns_a_dataset_has(self, tmp_path):
+        """0.3*g stands beside 2.5 m/s² as a number where g is one number, and as it is written where it is not."""
+        (tmp_path / "t.csv").write_text("name,motion.record.pga,block.mu\na,0.3*g,0.5\nb,2.5,null\nc,0.1*g,g/g\n")
+        record = {"file": "synthetic_rock_m65.AT2", "pga": 1.0}
+        case = {"block": {"h": 1.0, "b": 0.2}, "motion": {"record": record}}
+        for g, more in ((9.81, {}), (1.62, {}), ("5.315*ft", {}), (9.81, {"g": [1.62, 9.81]}),
+                        (9.81, {"block": {"a": {"h": 2.0}}}), ("k", {})):  # fmt: skip
+            study = {"name": "x", "let": {"k": 3.7}, "case": case | {"g": g}, "vary": {"case": "t.csv"} | more}
+            (tmp_path / "x.yaml").write_text(json.dumps(study))
+            pga, mu = open_study(tmp_path / "x.yaml").axes[0].given
+            value = 5.315 * 0.3048 if g == "5.315*ft" else g
+            one = "g" not in more and g != "k"
+            assert pga.values.tolist() == (
+                pytest.approx([0.3 * value, 2.5, 0.1 * value]) if one else ["0.3*g", "2.5", "0.1*g"]
+            )
+            assert pga.unit == ("m s-2" if one else "1")
+            assert (mu.values.dtype.kind == "f") is one
 
     def test_columns_of_a_table_that_hold_nothing_are_none(self, tmp_path):
         (tmp_path / "t.csv").write_text("name,block.R,,\na,1,,\nb,2,,\n,,,\n")

@@ -29,7 +29,7 @@ from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
 from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place, put_at, value_at
 from rockcli.study.document.values import WEAKEST, describe, is_finite, number_or_expression
-from rockcli.study.schema import StudyPart
+from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.study import MATCH, Axis, Given
 
 MAX_POINTS = 10_000_000
@@ -99,10 +99,56 @@ def read_axes(
             study, ("case",), f"has a file name with {{{name}}}, which is no axis; {nearest(name, names)}"
         )
     _check_apart(source, study, variations, names)
+    variations = _columns_in_numbers(study, variations)
     total = float(np.prod([float(v.size) for v in variations]))
     if total > MAX_CASES:
         raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
     return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+
+
+def _columns_in_numbers(study: Map, variations: list[Variation]) -> list[Variation]:
+    """The axes, with columns of tables whose cells speak of a g that is one number in all cases as numbers."""
+    if value_at(study, ("uncertain", "g")) is not None or any(map(_says_g, variations)):
+        return variations
+    said = study["case"].get("g")
+    try:
+        g = float(parse(str(CasePart.model_fields["g"].default if said is None else said)).evaluate(constant))
+    except ExpressionError:
+        return variations
+    return [
+        replace(v, axis=replace(v.axis, given=tuple(_numbers_with(given, g) or given for given in v.axis.given)))
+        for v in variations
+    ]
+
+
+def _says_g(variation: Variation) -> bool:
+    """Whether an axis, or a setting of one of its points, changes g."""
+    points = variation.settings or variation.points()
+    return any(
+        path[:2] == ("case", "g") or (path == ("case",) and isinstance(value, Map) and "g" in value)
+        for point in points
+        for path, value, _ in point
+    )
+
+
+def _numbers_with(given: Given, g: float) -> Given | None:
+    """A column of texts, some of them expressions of g, as numbers; None if it is none of them."""
+    inside = tuple(given.path.split("."))
+    path: Path = inside if inside[0] == "let" else ("case", *inside)
+    if given.values.dtype.kind == "f" or given.name.startswith("note_") or not varies_in_batch(path):
+        return None
+
+    def of_case(name: str) -> float:
+        return g if name == "g" else float(constant(name))
+
+    try:
+        said = [parse(str(text)) if text else None for text in given.values]
+        if any(one is not None and not one.names <= CONSTANTS.keys() | {"g"} for one in said):
+            return None
+        values = [np.nan if one is None else float(one.evaluate(of_case)) for one in said]
+    except ExpressionError:
+        return None
+    return Given(given.name, given.path, np.array(values), UNITS.get(path[-1], "1"))
 
 
 def _why_it_cannot_wait(let: Map | None, text: str) -> str:
