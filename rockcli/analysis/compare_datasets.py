@@ -17,6 +17,7 @@ from rockcli.scene.thresholds import FOUND, IN_RANGE, STATES, Thresholds
 from rockcli.scene.units import SI, Units, unit_words
 from rockcli.scene.variables import PEAK, SLIDE
 from rockcli.storage.contents import Contents
+from rockcli.study.document.paths import is_path, resolve
 from rockcli.study.study import MATCH
 
 OUTCOME = "outcome"
@@ -222,8 +223,12 @@ def _paired(a: Contents, b: Contents) -> dict[str, str]:
     """Axes that only a has -> axes that only b has, by their labels.
 
     Raises:
-        StudyError: an axis has none, or several.
+        StudyError: an axis has none, or several; or one of numbers, which both have, is of another key in each.
     """
+    for axis in a.axes:
+        keys = [_key(x, axis) for x in (a, b) if axis in x.axes and x.values(axis).dtype.kind == "f"]
+        if len({*keys}) == 2 and not any(key.startswith("let.") for key in keys):  # a symbol may stand for any key
+            raise StudyError(f"the axis {axis} is {keys[0]} in the first and {keys[1]} in the second dataset")
     only_a, only_b = ([axis for axis in x.axes if axis not in y.axes] for x, y in ((a, b), (b, a)))
     alike = {axis: [other for other in only_b if _same_labels(a.values(axis), b.values(other))] for axis in only_a}
     pairs = {axis: others[0] for axis, others in alike.items() if len(others) == 1}
@@ -234,6 +239,12 @@ def _paired(a: Contents, b: Contents) -> dict[str, str]:
         f"the datasets have other axes: {one} in the first, {two} in the second; have both studies vary the same keys, "
         "or give settings by name and settings of a table the same labels"
     )
+
+
+def _key(contents: Contents, axis: str) -> str:
+    """What an axis varies, however the study writes it."""
+    path = axis_path(contents.fields[axis].attrs, axis)
+    return ".".join(resolve(path)) if is_path(path) else path
 
 
 def _same_labels(x: NDArray[Any], y: NDArray[Any]) -> bool:

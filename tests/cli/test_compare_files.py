@@ -20,6 +20,8 @@ from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field
 from rockcli.study.open import open_study
 
+RECORD = "synthetic_rock_m65.AT2"
+
 
 def dataset(amplitudes: list[float], **block: float) -> Contents:
     study = {
@@ -170,6 +172,26 @@ def test_axes_of_other_labels_are_said_with_what_to_do() -> None:
         StudyError, match=r"other axes: block \('low', 'high'\) in the first, case \('the low', .*same labels"
     ):
         difference(one, other, rtol=1e-6)
+
+
+def test_axes_of_one_name_and_another_key_are_not_compared() -> None:
+    """A scale of the horizontal motion is none of the vertical one; a symbol may stand for either."""
+    both = {"record": {"file": RECORD}, "vertical": {"file": RECORD, "scale": 0.5}}
+
+    def of(path: str, motion: dict[str, Any] = both) -> Contents:
+        case = {"block": {"height": 2.0, "width": 1.0}, "motion": motion}
+        study = {"name": "x", "let": {"scale": 1}, "case": case, "vary": {path: [0.5, 1]}, "save": {"histories": False}}
+        return solve(open_study(study))
+
+    one, other, same = of("motion.record.scale"), of("motion.vertical.record.scale"), of("motion.vertical.scale")
+    for wrong in ((one, other), (one, same)):
+        with pytest.raises(
+            StudyError, match=r"the axis scale is case\.motion\.record\.scale in the first and case.*vert"
+        ):
+            difference(*wrong, rtol=1e-6)
+    assert difference(other, same, rtol=0.0).same
+    symbol = of("let.scale", {"record": {"file": RECORD, "scale": "scale"}, "vertical": both["vertical"]})
+    assert difference(one, symbol, rtol=0.0).same
 
 
 def test_what_cannot_be_compared(first: Contents) -> None:
