@@ -91,7 +91,8 @@ def _rules(report: RunReport) -> list[str]:
     for number, rule in enumerate(speaking):
         what = "slides farther" if rule.of_slide else "stable by the rule, overturned by the history"
         missed = f"{rule.unconservative:.4g} unconservative ({what})"
-        words = f"{rule.name}: {missed}, {rule.false_alarms:.4g} false alarms, of {rule.cases} ({rule.edition})"
+        alarms = f"{rule.false_alarms:.4g} false alarm{'' if rule.false_alarms == 1 else 's'}"
+        words = f"{rule.name}: {missed}, {alarms}, of {rule.cases} ({rule.edition})"
         lines.append(_row("rules" if number == 0 else "", words))
     return lines
 

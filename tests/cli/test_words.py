@@ -36,6 +36,14 @@ def study(folder: Path, name: str = "x", more: str = "") -> Path:
     return path
 
 
+def test_one_false_alarm_is_one(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    short = "a_p: 3, omega_p: 30"  # far above what West's rule lets stand, and too short to overturn anything
+    path = tmp_path / "x.yaml"
+    path.write_text(STUDY.format(name="x", more="rules: [west]").replace("a_p: 3.6*g*tan_alpha, omega_p: 3*pi", short))
+    assert rock("run", path, "--no-plots") == 0
+    assert ", 1 false alarm, of 1 (" in capsys.readouterr().out
+
+
 def test_plurals(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert [counted(n, "study") for n in (0, 1, 2)] == ["0 studies", "1 study", "2 studies"]
     one = study(tmp_path, "one", "save: {histories: false}")
