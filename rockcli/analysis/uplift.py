@@ -37,15 +37,25 @@ def lifts_at(batch: Batch, *, slides: bool = False) -> Array:
     return np.where(still, batch.g * threshold, np.nan)
 
 
+def factor_of(batch: Batch) -> Array:
+    """By what the PGA that lifts the body of every case differs from g tan(alpha), as FEMA-356 takes it, (n,).
+
+    NaN where the procedure asks a spectrum.
+    """
+    scheme = batch.damping.fema356
+    if scheme is None:
+        return np.ones(batch.size)
+    return np.where(np.isnan(scheme.fixed_base_period) & (scheme.spectrum is None), scheme.W_over_Mg, np.nan)
+
+
 def _threshold(batch: Batch) -> Array:
     """Peak acceleration over g at which the motion of every case, scaled, lifts the body about one of its edges, (n,).
 
     Of two unequal edges each is reached by the motion towards one side alone.
     """
-    alpha, scheme = batch.block.alpha, batch.damping.fema356
-    if scheme is not None:  # its own threshold, of the weaker edge; of the PGA where no spectrum is asked
-        of_pga = np.isnan(scheme.fixed_base_period) & (scheme.spectrum is None)
-        return np.where(of_pga, scheme.W_over_Mg * batch.block.of_weak_edge(batch.block.tan_alpha), np.nan)
+    alpha = batch.block.alpha
+    if batch.damping.fema356 is not None:  # its own threshold, of the weaker edge
+        return factor_of(batch) * batch.block.of_weak_edge(batch.block.tan_alpha)
     left, right = MODELS[(batch.model, batch.geometry)].law(alpha, np.tan(alpha)).threshold.T
     nearer = np.minimum(left, right)
     motion = batch.excitation.horizontal

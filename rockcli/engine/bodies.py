@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.analysis.uplift import factor_of
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_first
@@ -111,7 +112,7 @@ def _numbers(batch: Batch) -> dict[str, NDArray[np.float64]]:
     """What tells bodies apart, (n,) each, of an asymmetric one about its weaker edge."""
     block, pair = batch.block, (batch.model, batch.geometry)
     alpha, tan_alpha = block.of_weak_edge(block.alpha), block.of_weak_edge(block.tan_alpha)
-    threshold = MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha
+    threshold = (MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha) * factor_of(batch)
     found = {
         "h [m]": block.h,
         "b [m]": block.of_weak_edge(block.b),

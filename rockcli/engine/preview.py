@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks
+from rockcli.analysis.uplift import factor_of
 from rockcli.engine.auto import prospect
 from rockcli.engine.backends import choose
 from rockcli.engine.bodies import Bodies, uplift_words
@@ -335,7 +336,8 @@ def _motion(batch: Batch) -> list[Row]:
     alpha, tan_alpha = block.of_weak_edge(block.alpha)[:1], block.of_weak_edge(block.tan_alpha)[:1]
     uplift = float((MODELS[pair].law(alpha, tan_alpha).threshold if pair in MODELS else tan_alpha)[0])
     words = uplift_words(deforms=highest(batch).model in DEFORMABLE, vertical=batch.excitation.vertical is not None)
-    rows = [Row("uplift_g", words, uplift)]
+    factor = float(factor_of(batch)[0])  # NaN: FEMA-356 asks a spectrum, not the PGA
+    rows = [] if np.isnan(factor) else [Row("uplift_g", words, uplift * factor)]
     rows += _channel(batch, batch.excitation.horizontal, uplift, "")
     if batch.excitation.vertical is not None:
         rows += _channel(batch, batch.excitation.vertical, None, "vertical ")

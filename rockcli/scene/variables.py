@@ -555,6 +555,13 @@ _ROWS: tuple[Variable, ...] = (
         "asymmetric bodies: the PGA above which the motion, scaled, lifts the body about the edge it reaches first",
     ),
     Variable("g", r"$g$", CASE, "m s-2", "acceleration of gravity"),
+    Variable(
+        "uplift_factor",
+        r"$W/(M\,g)$",
+        CASE,
+        "1",
+        "FEMA-356: the PGA from which bodies lift over g tan(alpha); nothing where it asks a spectrum",
+    ),
     Variable("a_p", r"$a_p$", CASE, "m s-2", "pulse amplitude"),
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
     Variable("pga", "PGA", CASE, "m s-2", "peak ground acceleration of the motion used"),

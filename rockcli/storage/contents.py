@@ -18,7 +18,19 @@ CONVENTIONS = "CF-1.11"
 
 DIM_TIME, DIM_IMPACT, DIM_REASONS = "time", "impact", "reasons"
 
-COORDINATES: tuple[str, ...] = ("R", "alpha", "p", "eta", "g", "a_p", "omega_p", "pga", "pgv", *OF_SOURCE)
+COORDINATES: tuple[str, ...] = (
+    "R",
+    "alpha",
+    "p",
+    "eta",
+    "g",
+    "uplift_factor",
+    "a_p",
+    "omega_p",
+    "pga",
+    "pgv",
+    *OF_SOURCE,
+)
 """What a plot needs beside the axes, over the axes they depend on."""
 
 OF_TABLES = ("given_", "note_")

@@ -9,8 +9,10 @@ import pytest
 
 import rockcli
 from rockcli.analysis.expect import judge
+from rockcli.engine.preview import preview
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
+from rockcli.plotting.page.facts import facts_of
 from rockcli.study.open import open_study
 
 STUDY = Path(__file__).resolve().parents[2] / "studies" / "fema" / "ricker_r5.yaml"
@@ -106,3 +108,36 @@ def test_what_is_wrong_is_said(damping, motion, message):
 def test_other_models_are_not_solved():
     with pytest.raises(StudyError, match=r"solves model '3' .* with damping 'fema356'"):
         rockcli.run(study("fema356", model=3))
+
+
+def test_uplift_is_told_by_the_threshold_of_the_procedure():
+    """(W/Mg) g tan(alpha), and nothing where a spectrum decides; in `rock check`, on the page and in figures."""
+    schemes = {"eta": {"scheme": "restitution"}, "one": {"scheme": "fema356"},
+               "heavy": {"scheme": "fema356", "W_over_Mg": 1.5},
+               "fixed": {"scheme": "fema356", "fixed_base_period": 0.2}}  # fmt: skip
+    levels = {"eta": 0.2, "one": 0.2, "heavy": 0.3, "fixed": np.nan}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": 1.0, "T_p": 1.0}}}
+    vary = {
+        "motion.pulse.a_p": {"from": "0.05*g", "to": "0.45*g", "n": 17},
+        "motion.pulse.T_p": [0.5, 0.75, 1, 1.25, 1.5],
+    }
+    for name, scheme in schemes.items():
+        of_one = {"name": "x", "case": case | {"damping": scheme}, "vary": vary, "save": {"histories": False}}
+        data = rockcli.run(of_one)
+        lines = [one for one in rockcli.plot(data, "map").axes[0].lines if one.get_gid() == "uplift"]
+        told = {fact.what: fact for fact in facts_of(data)}.get("lifts from")
+        row = [one.value for one in preview(open_study(of_one)).motion if one.key == "uplift_g"]
+        if np.isnan(levels[name]):
+            assert (lines, told, row) == ([], None, [])
+            continue
+        still = data["motion_pulse_a_p"].values[(data["outcome"] == 0).all("T_p").values]
+        assert levels[name] * 9.81 == pytest.approx(still.max())  # the procedure asks for more than the threshold
+        assert lines[0].get_ydata()[0] == pytest.approx(levels[name])
+        assert told is not None
+        assert told.value == f"{levels[name]:g} g"
+        assert ("W/Mg" in told.sentence) is (name == "heavy")
+        assert row == pytest.approx([levels[name]])
+    every = rockcli.run({"case": case, "vary": {"damping": schemes} | vary, "save": {"histories": False}})
+    np.testing.assert_allclose(every["uplift_factor"], [1.0, 1.0, 1.5, np.nan])
+    listed = preview(open_study({"name": "x", "case": case, "vary": {"damping": schemes} | vary})).bodies
+    assert [one["uplift at [g]"] for one in listed] == pytest.approx([0.2, 0.3, np.nan], nan_ok=True)

@@ -155,6 +155,8 @@ def _beside_axes(
 def _symbols(results: Results, axes: tuple[str, ...]) -> dict[str, Field]:
     """The symbols over the axes they depend on; those no case has, or that are axes, are left out."""
     found = {name: results.symbols.over(name, axes) for name in COORDINATES if name not in axes}
+    factor = found["uplift_factor"] or ((), np.array(np.nan))  # of none where FEMA-356 asks a spectrum throughout
+    found["uplift_factor"] = None if (factor[1] == 1.0).all() else factor
     return {name: variable_field(name, *over) for name, over in found.items() if over is not None}
 
 

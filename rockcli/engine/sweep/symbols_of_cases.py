@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks
-from rockcli.analysis.uplift import lifts_at
+from rockcli.analysis.uplift import factor_of, lifts_at
 from rockcli.engine.sweep.chunk_result import Description
 from rockcli.engine.sweep.chunk_symbols import Values
 from rockcli.engine.sweep.chunks import CHUNK, Chunks
@@ -58,7 +58,7 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
         if edges:
             values |= {f"{name}_{side}": of[:, at] for name, of in both.items() for at, side in SIDES}
             values["pga_uplift"] = lifts_at(batch)
-        values["g"] = batch.g
+        values |= {"g": batch.g, "uplift_factor": factor_of(batch)}
         if isinstance(motion, Pulses):
             values |= {"a_p": motion.a_p, "omega_p": motion.omega_p}
         if isinstance(motion, Samples):

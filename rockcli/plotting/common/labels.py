@@ -149,7 +149,13 @@ def _models(dataset: xarray.Dataset) -> Any:
 def lifts_words(dataset: xarray.Dataset) -> list[str]:
     """What `lifts_from` is, in mathematics: that of rigid bodies, that of linearized blocks, or both."""
     models = {*np.ravel(_models(dataset)).tolist()}
-    return [r"g\,\tan\alpha"] * bool(models - {"linearized"}) + [r"g\,\alpha"] * ("linearized" in models)
+    words = [r"g\,\tan\alpha"] * bool(models - {"linearized"}) + [r"g\,\alpha"] * ("linearized" in models)
+    if "uplift_factor" not in dataset.variables:
+        return words
+    factors = dataset["uplift_factor"].values
+    return words * bool((factors == 1.0).any()) + [r"(W/Mg)\,g\,\tan\alpha"] * bool(
+        (np.nan_to_num(factors, nan=1.0) != 1.0).any()
+    )
 
 
 def lifts_word(dataset: xarray.Dataset) -> str:
@@ -195,9 +201,13 @@ def unit_g(dataset: xarray.Dataset) -> float:
 def lifts_from(dataset: xarray.Dataset, of: str = "alpha") -> xarray.DataArray:
     """g tan(alpha) of the weaker edge, of linearized blocks g alpha, from which rigid bodies lift [m/s²].
 
-    Over the axes that change it; NaN where settings may choose g.  `of`: the alpha of another edge.
+    Of FEMA-356 times its weight; over the axes that change it.  NaN where it is not known, as where FEMA-356 asks a
+    spectrum and where datasets of earlier versions have settings that may choose g.  `of`: the alpha of another edge.
     """
     g, alpha, models = _gravity(dataset), dataset[of], _models(dataset)
+    if "uplift_factor" in dataset.variables:
+        factor = dataset["uplift_factor"]
+        g = g * (factor if factor.ndim else float(factor))
     tangent = alpha.copy(data=np.tan(alpha.values))
     if isinstance(models, str) and isinstance(g, float):
         return alpha.copy(data=(alpha if models == "linearized" else tangent).values * g)

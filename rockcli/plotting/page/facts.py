@@ -217,6 +217,14 @@ def name_of(dataset: xarray.Dataset, axis: str) -> str:
     return plain + whose(dataset, axis)
 
 
+_PLAIN = {
+    r"g\,\tan\alpha": "g tan(alpha)",
+    r"g\,\alpha": "g alpha",
+    r"(W/Mg)\,g\,\tan\alpha": "(W/Mg) g tan(alpha)",
+}
+"""What bodies lift from, without mathematics."""
+
+
 def _uplift(dataset: xarray.Dataset) -> list[Fact]:
     """The ground acceleration at which rigid bodies lift about their weaker edge."""
     if "alpha" not in dataset.variables or "outcome" not in dataset.variables or deforms(dataset):
@@ -227,7 +235,7 @@ def _uplift(dataset: xarray.Dataset) -> list[Fact]:
         return []
     low, high = float(values.min()), float(values.max())
     one = high - low <= 1e-6 * high
-    word = " or ".join({r"g\,\tan\alpha": "g tan(alpha)", r"g\,\alpha": "g alpha"}[w] for w in lifts_words(dataset))
+    word = " or ".join(_PLAIN[word] for word in lifts_words(dataset))
     said = "of what arrives at its base" if has_floors(dataset) else "ground acceleration"
     word += " of the weaker edge" if two_edged(dataset) else ""
     value = f"{low:.3g} g" if one else f"{low:.3g} to {high:.3g} g"
