@@ -308,9 +308,9 @@ class SpectrumPart(Part):
     S_a: Series | None = key("constant and table: pseudo-acceleration [m/s²], or in g with units: g")
     S_v: Number | None = key("flat_S_v: spectral velocity [m/s]")
     periods: Series | None = key("table: ascending periods [s]")
-    units: Literal["g", "m/s²"] = key("units of S_a", "m/s²")
-    S_XS: Number | None = key("fema356: 5 % spectral acceleration at short periods [m/s²]")
-    S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s²]")
+    units: Literal["g", "m/s²"] = key("units of S_a, S_XS and S_X1", "m/s²")
+    S_XS: Number | None = key("fema356: 5 % spectral acceleration at short periods [m/s²], or in g with units: g")
+    S_X1: Number | None = key("fema356: 5 % spectral acceleration at 1 s [m/s²], or in g with units: g")
 
 
 class FloorSpectrumPart(Part):

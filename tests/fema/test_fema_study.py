@@ -71,6 +71,14 @@ def test_table_in_g_and_in_metres_are_the_same():
     assert 0.0 < peak(in_g, "none") < 1.0
 
 
+def test_the_general_spectrum_in_g_is_that_in_metres():
+    general = {"shape": "fema356", "S_XS": 0.55, "S_X1": 0.1}
+    in_g = {"scheme": "fema356", "spectrum": general | {"units": "g"}}
+    in_metres = {"scheme": "fema356", "spectrum": general | {"S_XS": "0.55*g", "S_X1": "0.1*g"}}
+    assert peak(in_g, "none") == pytest.approx(peak(in_metres, "none"), rel=1e-12)
+    assert peak(in_g, "none") > 0.0
+
+
 def test_weight_and_spectrum_may_vary():
     more = study({"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": "S"}}, motion="none")
     more |= {"let": {"S": 0.4}, "vary": {"let.S": [0.3, 0.4], "damping.W_over_Mg": [1.0, 1.5]}}
@@ -91,6 +99,7 @@ def test_weight_and_spectrum_may_vary():
         ({"scheme": "fema356", "spectrum": {"S_v": 1}}, PULSE, "needs a shape"),
         ({"scheme": "fema356", "spectrum": {"shape": "flat_Sv", "S_v": 1}}, PULSE, "flat_S_v"),
         ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v"}}, PULSE, "needs S_v"),
+        ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": 1, "units": "g"}}, PULSE, "units: is of S_a"),
         ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": 1, "S_a": 1}}, PULSE, "S_a: is no key"),
         ({"scheme": "fema356", "spectrum": {"shape": "constant", "S_a": [1, 2]}}, PULSE, "must be a number"),
         ({"scheme": "fema356", "spectrum": {"periods": [1, 2], "S_a": 3}}, PULSE, "must be a list"),

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 KEYS: Keys = ("case", "damping")
 
+IN_UNITS = ("S_a", "S_XS", "S_X1")
+"""Keys of a design spectrum that its `units` are of."""
+
 FEMA356_IS_POOR = (
     "damping fema356 is an equivalent linear method known to be poor (on the thesis's pulses its peaks are off by "
     "-43 to +66 %, docs/fema356.md): it is offered for comparison"
@@ -72,6 +75,8 @@ def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
     for key in given:
         if key not in wanted:
             numbers.fail((*keys, key), f"is no key of the spectrum {shape}")
+    if said.units == "g" and not set(wanted) & set(IN_UNITS):
+        numbers.fail((*keys, "units"), f"is of {', '.join(IN_UNITS)}, which the spectrum {shape} does not have")
     if shape == "motion":
         return None
     unit = numbers.g if said.units == "g" else 1.0
@@ -88,7 +93,7 @@ def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
             one = numbers.positive(at)
             assert one is not None
             value = numbers.array(one)
-        scale = numbers.array(unit if key == "S_a" else 1.0)
+        scale = numbers.array(unit if key in IN_UNITS else 1.0)
         values[key] = value * (scale[:, None] if items else scale)
     if shape == "table":
         numbers.require((*keys, "periods"), np.diff(values["periods"], axis=1) > 0.0, "must ascend")
