@@ -20,7 +20,7 @@ from rockcli.study.building.floors import THROUGH
 from rockcli.study.building.ground_motion import MOTION
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import INHERITED, scaling_key
-from rockcli.study.document.expressions import UNITS, ExpressionError, parse
+from rockcli.study.document.expressions import says_its_unit
 from rockcli.study.document.paths import is_path, resolve
 from rockcli.study.document.tree import Keys, Map, dotted
 from rockcli.study.document.values import WEAKEST
@@ -65,7 +65,7 @@ def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:
         study: {case, vary}, short forms written out.
         searched: path of the searched range, None without one.
     """
-    found = {keys for keys, value in _leaves(study.get("case"), ("case",)) if _says_its_unit(value)}
+    found = {keys for keys, value in _leaves(study.get("case"), ("case",)) if says_its_unit(value)}
     for text, entry in (study.get("vary") or {}).items():
         if not is_path(text):  # names of files
             continue
@@ -74,7 +74,7 @@ def surely_meant(study: Map, searched: str | None) -> frozenset[Keys]:
         settings = [] if points or not isinstance(entry, dict) else [_leaves(value, path) for value in entry.values()]
         given = [(path, value) for _, value in _leaves(entry, path)] if points else list(chain(*settings))
         found -= {keys for keys, _ in given}  # what the axis puts there is what counts
-        found |= {keys for keys, value in given if _says_its_unit(value)}
+        found |= {keys for keys, value in given if says_its_unit(value)}
     if searched is not None:
         found.add(resolve(searched))
     return frozenset(found)
@@ -90,13 +90,6 @@ def _leaves(value: Any, keys: Keys) -> Iterator[tuple[Keys, Any]]:
             yield from _leaves(item, keys)
     else:
         yield keys, value
-
-
-def _says_its_unit(value: Any) -> bool:
-    try:
-        return isinstance(value, str) and bool(parse(value).names & {"g", *UNITS})
-    except ExpressionError:
-        return False
 
 
 def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.rules import RULES
-from rockcli.study.document.expressions import stated_number
+from rockcli.study.document.expressions import says_its_unit, stated_number
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import StudyPart
 
@@ -34,6 +34,9 @@ def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> FloorSpe
     periods, S_a = (_numbers(source, study, key, getattr(said, key)) for key in ("periods", "S_a"))
     if len(periods) != len(S_a):
         raise source.error(study, (KEY, "S_a"), f"has {len(S_a)} values for {len(periods)} periods")
+    if said.units == "g" and (twice := [value for value in said.S_a if says_its_unit(value)]):
+        message = f"{twice[0]!r} says its unit, and `units: g` too; leave one out"
+        raise source.error(study, (KEY, "S_a"), f": {message}")
     if periods[0] < 0.0 or not (np.diff(periods) > 0.0).all():
         raise source.error(study, (KEY, "periods"), "must ascend, from zero or above")
     if not (S_a > 0.0).all():

@@ -478,6 +478,7 @@ def test_a_file_that_is_not_there_is_told_with_its_place(tmp_path):
         ({"hazard": {"intensity": [1, 2], "rate": [0.1, 0]}}, "fewer than two points"),
         ({"hazard": [{"label": "a", "intensity": [1, 2], "rate": [0.1, 0.01]}] * 2}, "second curve named 'a'"),
         ({"hazard": "nowhere.csv"}, "no such file"),
+        ({"hazard": {"intensity": ["0.1*g", 2], "rate": [0.1, 0.01], "units": "g"}}, "'0.1\\*g' says its unit"),
         ({"age": -3}, "age is -3"),
     ],
 )

@@ -101,6 +101,7 @@ def test_weight_and_spectrum_may_vary():
         ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v"}}, PULSE, "needs S_v"),
         ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": 1, "units": "g"}}, PULSE, "units: is of S_a"),
         ({"scheme": "fema356", "spectrum": {"shape": "flat_S_v", "S_v": 1, "S_a": 1}}, PULSE, "S_a: is no key"),
+        ({"scheme": "fema356", "spectrum": {"shape": "constant", "S_a": "0.3*g", "units": "g"}}, PULSE, "leave one out"),
         ({"scheme": "fema356", "spectrum": {"shape": "constant", "S_a": [1, 2]}}, PULSE, "must be a number"),
         ({"scheme": "fema356", "spectrum": {"periods": [1, 2], "S_a": 3}}, PULSE, "must be a list"),
         ({"scheme": "fema356", "spectrum": {"periods": [2, 1], "S_a": [3, 4]}}, PULSE, "must ascend"),

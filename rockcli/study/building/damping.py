@@ -11,6 +11,7 @@ from rockcli.scene.ground.excitation import Excitation
 from rockcli.scene.ground.spectra import SPECTRA, DesignSpectrum
 from rockcli.scene.laws.damping import SCHEMES, Damping, Fema356
 from rockcli.study.building.numbers import Numbers
+from rockcli.study.document.expressions import says_its_unit
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import SpectrumPart
 
@@ -87,6 +88,10 @@ def _design_spectrum(numbers: Numbers, keys: Keys) -> DesignSpectrum | None:
             numbers.fail(keys, f"needs {key} for the spectrum {shape}")
         if isinstance(given[key], list) != SPECTRA[shape].lists:
             numbers.fail(at, f"must be a {'list' if SPECTRA[shape].lists else 'number'} for the spectrum {shape}")
+        if said.units == "g" and key in IN_UNITS:
+            of_key = given[key] if isinstance(given[key], list) else [given[key]]
+            if twice := [value for value in of_key if says_its_unit(value)]:
+                numbers.fail(at, f"{twice[0]!r} says its unit, and `units: g` too; leave one out")
         items = [numbers.positive((*at, i)) for i in range(len(given[key]))] if SPECTRA[shape].lists else []
         value = np.stack([numbers.array(item) for item in items if item is not None], axis=1) if items else None
         if value is None:

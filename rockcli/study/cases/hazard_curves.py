@@ -21,7 +21,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.units import g_of
-from rockcli.study.document.expressions import constant, stated_number
+from rockcli.study.document.expressions import constant, says_its_unit, stated_number
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.inputs import Inputs, text_of
@@ -106,6 +106,9 @@ def _curve(
     if file is not None and not file.is_file():
         raise source.error(study, keys, f": there is no such file, {str(file)[:300]}")
     if file is None:
+        if entry.units and (twice := [v for v in _list(entry.intensity) if says_its_unit(v)]):
+            message = f": {twice[0]!r} says its unit, and `units: {entry.units}` too; leave one out"
+            raise source.error(study, (*keys, "intensity"), message)
         x = [_number(source, study, (*keys, "intensity", i), v, g) for i, v in enumerate(_list(entry.intensity))]
         rate = [_number(source, study, (*keys, "rate", i), v) for i, v in enumerate(_list(entry.rate))]
         if len(x) != len(rate):

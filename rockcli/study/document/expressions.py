@@ -159,6 +159,14 @@ def stated_number(
         raise source.error(study, keys, f": {error}") from None
 
 
+def says_its_unit(value: object) -> bool:
+    """Whether a value is an expression that names a unit, or g."""
+    try:
+        return isinstance(value, str) and bool(parse(value).names & {"g", *UNITS})
+    except ExpressionError:
+        return False
+
+
 @lru_cache(maxsize=4096)
 def parse(text: str) -> Expression:
     """Parse an expression.
