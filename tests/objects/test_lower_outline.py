@@ -127,6 +127,9 @@ def test_a_given_centre_and_radius_of_gyration():
         ),
         ({"R": 1, "tan_alpha": 0.2, "stands": "toes"}, r"case\.block\.stands: belongs to an outline"),
         ({"R": 1, "tan_alpha": 0.2, "centre": [0, 1]}, r"case\.block\.centre: belongs to an outline"),
+        ({"height": 180, "width": 40, "pixel": 0.01}, r"case\.block\.pixel: belongs to an outline"),
+        ({"R": 1, "tan_alpha": 0.2, "z_down": True}, r"case\.block\.z_down: belongs to an outline"),
+        ({"R": 1, "tan_alpha": 0.2, "contacts": [[0, 0], [1, 0]]}, r"case\.block\.contacts: belongs to an outline"),
         (
             {"outline": [[0, 0], [1, 0], [1, 1], [0, 1]], "stands": "settled", "contacts": [[0, 0], [1, 0]]},
             "both say on what it stands",

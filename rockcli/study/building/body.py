@@ -45,6 +45,9 @@ def sufficient_pair(numbers: Numbers) -> Block:
         numbers.fail((*BLOCK, "stands"), "belongs to an outline; a block given by its sizes stands on its two edges")
     if block.centre is not None:
         numbers.fail((*BLOCK, "centre"), "belongs to an outline; a block given by its sizes has h and b")
+    for key in ("pixel", "z_down", "contacts"):
+        if getattr(block, key) not in (None, False):
+            numbers.fail((*BLOCK, key), "belongs to an outline, which the block does not have")
     check_no_mesh(numbers, block)
     _check_planes(numbers, block)
     given = [[key for key in group if getattr(block, key) is not None] for group in GROUPS]
