@@ -443,6 +443,7 @@ def test_units_of_a_hazard_curve(tmp_path, against, text, unit):
         ("0.1,0.01\n0.2,0.001\n0.3,1e-4\n", {}, "the first line names the columns"),
         ("pgv [m/s],rate\n0.1,0.01\n0.2,0.001\n", {}, "is a hazard curve of pgv"),
         ("pga [km],rate\n0.1,0.01\n0.2,0.001\n", {}, "no unit of pga"),
+        ("pga [g],rate\n0.1,0.01\n0.2,0.001\n", {"units": "cm/s2"}, "in g, `units` says cm/s2"),
         ("pga [g],rate\n0.1,0.01\n0.2,0.02\n", {}, "csv:3: .*never grow"),
         ("pga [g],rate\n# a note\n0.1,0.01\n\n0.2,-0.02\n", {}, "csv:5: .*not negative"),
         ("pga [g],rate\n0,0.01\n0.2,0.02\n", {}, "csv:2: .*greater than 0"),
@@ -478,6 +479,10 @@ def test_a_file_that_is_not_there_is_told_with_its_place(tmp_path):
         ({"hazard": {"intensity": [1, 2], "rate": [0.1, 0]}}, "fewer than two points"),
         ({"hazard": [{"label": "a", "intensity": [1, 2], "rate": [0.1, 0.01]}] * 2}, "second curve named 'a'"),
         ({"hazard": "nowhere.csv"}, "no such file"),
+        (
+            {"hazard": {"intensity": [1, 2], "rate": [0.1, 0.01], "site": [1, 2]}},
+            "site chooses among the sites of a file",
+        ),
         ({"hazard": {"intensity": ["0.1*g", 2], "rate": [0.1, 0.01], "units": "g"}}, "'0.1\\*g' says its unit"),
         ({"age": -3}, "age is -3"),
     ],

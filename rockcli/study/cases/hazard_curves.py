@@ -106,6 +106,8 @@ def _curve(
     if file is not None and not file.is_file():
         raise source.error(study, keys, f": there is no such file, {str(file)[:300]}")
     if file is None:
+        if entry.site is not None:
+            raise source.error(study, (*keys, "site"), "chooses among the sites of a file")
         if entry.units and (twice := [v for v in _list(entry.intensity) if says_its_unit(v)]):
             message = f": {twice[0]!r} says its unit, and `units: {entry.units}` too; leave one out"
             raise source.error(study, (*keys, "intensity"), message)
@@ -128,7 +130,10 @@ def _curve(
             f"is a hazard curve of {read.of}, the fragility is told against {against}; over: {{intensity: ...}}"
         )
     unit = entry.units or read.unit
-    intensity = read.intensity * _factor(unit, against, g, refused)
+    factor = _factor(unit, against, g, refused)
+    if read.unit and not math.isclose(factor, _factor(read.unit, against, g, refused)):
+        raise refused(f"says that its intensities are in {read.unit}, `units` says {entry.units}; leave it out")
+    intensity = read.intensity * factor
     if wrong := _why_none(intensity, read.rate):
         raise refused(*wrong)
     keep = read.rate > 0.0
