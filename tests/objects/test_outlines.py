@@ -183,6 +183,31 @@ class TestFiles:
             identities.append(opened({"outline": "o.csv"}, tmp_path).identity)
         assert identities[0] == identities[1] != identities[2]
 
+    @pytest.mark.parametrize(
+        ("head", "words"),
+        [
+            ("x [cm],z [cm]", "says cm, .* give `pixel: 0.01`"),
+            ("x_mm;z_mm", "says mm, .* give `pixel: 0.001`"),
+            ("x (in), z (in)", "says in, .* give `pixel: 0.0254`"),
+            ("z,x", "names z, x; an outline is x, z"),
+        ],
+    )
+    def test_a_head_that_says_otherwise_is_refused(self, head, words, tmp_path):
+        (tmp_path / "o.csv").write_text(head + "\n0,0\n50,0\n50,200\n0,200\n", encoding="utf-8")
+        with pytest.raises(StudyError, match=words) as caught:
+            opened({"outline": "o.csv"}, tmp_path)
+        assert caught.value.line == 1
+
+    def test_a_head_may_say_the_unit(self, tmp_path):
+        for head, pixel, metres in (
+            ("x [m],z [m]", {}, 1.0),
+            ("x [cm],z [cm]", {"pixel": "1*cm"}, 0.01),
+            ("right,up", {"pixel": 0.004}, 0.004),
+        ):
+            (tmp_path / "o.csv").write_text(head + "\n0,0\n50,0\n50,200\n0,200\n", encoding="utf-8")
+            ((_, batch),) = opened({"outline": "o.csv", **pixel}, tmp_path).batches()
+            np.testing.assert_allclose(batch.block.b, 25.0 * metres, rtol=1e-12)
+
     def test_files_as_an_axis(self, tmp_path):
         (tmp_path / "o.csv").write_text("0,0\n0.5,0\n0.5,2\n0,2\n", encoding="utf-8")
         (tmp_path / "p.csv").write_text("0,0\n0.7,0\n0.7,2\n0,2\n", encoding="utf-8")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +14,9 @@ from numpy.typing import NDArray
 from rockcli.errors import StudyError
 from rockcli.scene.body.outline import Given, OutlineError, Solid, solid
 from rockcli.study.building.numbers import Numbers
-from rockcli.study.document.expressions import Value
+from rockcli.study.document.expressions import UNITS, Value
 from rockcli.study.document.tree import Keys, dotted, place
+from rockcli.study.document.values import LENGTHS
 from rockcli.study.inputs import text_of
 from rockcli.study.schema import OUTLINES, BlockPart
 
@@ -22,6 +26,9 @@ BLOCK: Keys = ("case", "block")
 
 SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slenderness", "inertia", "plane")
 """Keys of a block that follow from its outline."""
+
+_HEAD = re.compile(r"([xyz])[\s_]*[\[(]?\s*([a-z]*)\s*[\])]?", re.I)
+"""The name of a column of an outline, with its unit if it says one."""
 
 
 def has_outline(block: BlockPart) -> bool:
@@ -173,6 +180,7 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
             row = []
         if not row and not points and not heads:
             heads += 1
+            _check_head(numbers, cells, path, number)
             continue
         if len(row) != 2 or not np.isfinite(row).all():
             raise StudyError(f"a line of an outline is x, z [m], not {text[:60]!r}", file=path, line=number)
@@ -180,3 +188,17 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
     if len(points) < 3:
         raise StudyError(f"the outline has {len(points)} points; a polygon has at least 3", file=path)
     return np.array(points)
+
+
+def _check_head(numbers: Numbers, cells: Sequence[str], path: Path, line: int) -> None:
+    """Refuse a line of names that says other columns than x, z, or another unit than `pixel`."""
+    named = [match for cell in cells if (match := _HEAD.fullmatch(cell.strip('" ')))]
+    names = [match[1].lower() for match in named]
+    if names in (["z", "x"], ["y", "x"]):
+        raise StudyError(f"its head names {', '.join(names)}; an outline is x, z", file=path, line=line)
+    metres = _or_one(numbers.positive((*BLOCK, "pixel")))
+    for said in (match[2].lower() for match in named):
+        unit = UNITS["inch" if said == "in" else said] if said in (*LENGTHS, "in") else None
+        if unit is not None and not np.allclose(metres, unit, rtol=1e-9):
+            do = "leave `pixel` out" if unit == 1.0 else f"give `pixel: {unit:g}`"
+            raise StudyError(f"its head says {said}, the study another unit: {do}", file=path, line=line)
