@@ -32,6 +32,8 @@ STOOD = {"0", "false", "no", "stood", "standing", "stable", "upright", "survived
     name for flag, name in OUTCOMES.items() if flag >= 0 and not overturned(flag)
 }
 
+_KNOWN = {RESULT, RECORD, SCALE, GROUP, SPECIMEN, SESSION, RUN, *MEASURES}
+
 _MAX_BYTES = 50_000_000
 
 
@@ -128,6 +130,10 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
     for name in (*wanted, *(predictions or ())):
         if name not in head:
             raise fail(f"has no column {name!r}; it has {', '.join(head)}", head_line)
+    for name in head:
+        plain = name.partition("[")[0].partition("(")[0].strip().lower()
+        if plain in _KNOWN - {*head} and name not in (group, *(predictions or ())):
+            raise fail(f"the column {name!r} would be read as a prediction; did you mean {plain!r}?", head_line)
     column = {name: [cells[k] for _, cells in rows] for k, name in enumerate(head)}
     lines = tuple(line for line, _ in rows)
 
@@ -153,10 +159,8 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
         if said is None:
             raise fail(f"{RESULT} is {cell[:50]!r}; expected 0 or 1, or overturned or stood", line)
         outcome[i] = said
-    scale = numbers(SCALE) if SCALE in head else np.ones(len(rows))
-    if (scale == 0.0).any():
-        raise fail(f"{SCALE} is 0: there would be no motion", lines[int(np.argmin(np.abs(scale)))])
-    reserved = {RESULT, RECORD, SCALE, GROUP, group, SPECIMEN, SESSION, RUN, *MEASURES}
+    scale = numbers(SCALE, above=0.0) if SCALE in head else np.ones(len(rows))
+    reserved = _KNOWN | {group}
     read: dict[str, Array] = {}
     unread = []
     for name in predictions if predictions is not None else [name for name in head if name not in reserved]:
