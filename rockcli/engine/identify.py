@@ -44,6 +44,10 @@ noise alone, unless they are below this part of the data: what the output times 
 _LEAST = 0.2
 """Smallest alpha and p that are tried, relative to the first guess; the inverse is the largest p."""
 
+_UNIT = re.compile(r"[\[(]\s*([a-z°]+)\s*[\])]", re.I)
+_DEGREES, _RADIANS = ("deg", "degree", "degrees", "°"), ("rad", "radian", "radians")
+_OTHERS = ("ms", "msec", "mrad")
+
 _DECIMAL_COMMAS = re.compile(r"\d,\d+\s*[;\t]")
 _ONE_COMMA = re.compile(r"\s*[+-]?\d+,\d+\s*$")
 
@@ -74,7 +78,8 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
     Blanks, commas or semicolons separate; lines above the numbers that begin with a word are headings.
 
     Raises:
-        StudyError: naming file and line: no numbers, other numbers of columns, times that do not grow.
+        StudyError: naming file and line: no numbers, other numbers of columns, times that do not grow, a heading or
+            comment above the numbers that says other units.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()  # spreadsheets put a mark before the first number
@@ -84,6 +89,8 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
         raise StudyError("is not text in UTF-8: expected lines of numbers", file=path) from None
     rows: list[list[float]] = []
     for number, line in enumerate(lines, start=1):
+        if not rows:
+            _check_units(line, path, number, degrees=degrees)
         words = line.split("#")[0].split("%")[0].replace(",", " ").replace(";", " ").split()
         if not words:
             continue
@@ -107,6 +114,20 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
     if len(rows[0]) == 1:
         return Measured(np.abs(table[:, 0]), None, path)
     return Measured(table[:, 1], table[:, 0], path)
+
+
+def _check_units(line: str, path: Path, number: int, *, degrees: bool) -> None:
+    """Refuse units in brackets above the numbers that are not those the numbers are taken in."""
+    for unit in map(str.lower, _UNIT.findall(line)):
+        if unit in _DEGREES and not degrees:
+            message = f"says [{unit}], and rotations are taken in radians: give --degrees"
+        elif unit in _RADIANS and degrees:
+            message = f"says [{unit}]: leave --degrees out"
+        elif unit in _OTHERS:
+            message = f"says [{unit}]; expected time [s] and rotation [rad], or [deg] with --degrees"
+        else:
+            continue
+        raise StudyError(message, file=path, line=number)
 
 
 def _is_number(word: str) -> bool:
