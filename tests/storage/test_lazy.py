@@ -38,11 +38,18 @@ STUDIES = {
         "over": {"axis": "record", "limits": [0.5]},
         "save": {"histories": False},
     },
+    "plane": {
+        "case": {"block": CASE["block"], "motion": {"record": {"scale": 1.0}}},
+        "vary": SUITE | {"motion.record.scale": {"from": 0.3, "to": 6, "n": 9, "spacing": "log"}},
+        "over": {"axis": "record", "intensity": ["pga", "pgv_over_pga"], "limits": []},
+        "save": {"histories": False},
+    },
 }
 DRAWN = [
     ("histories", "histories"), ("histories", "phase"), ("histories", "motion"), ("histories", "body"),
     ("histories", "curve"), ("slides", "map"), ("slides", "curve"), ("planets", "map"), ("planets", "curve"),
     ("suite", "ida"), ("suite", "fragility"), ("suite", "spectrum"), ("suite", "ranking"),
+    ("plane", "intensities"),
 ]  # fmt: skip
 
 

@@ -93,8 +93,12 @@ def _both(dataset: xarray.Dataset, told_against: str) -> tuple[Array, Array]:
     """The second intensity and the first, which may be an axis, of every case, as they are shown."""
     second = dataset[SECOND]
     name = "fragility_intensity" if "fragility_intensity" in dataset.variables else told_against
-    first = dataset[name].broadcast_like(second).transpose(*second.dims)
-    return second.values / shown_unit(dataset, SECOND)[0], first.values / shown_unit(dataset, name)[0]
+    first = dataset[name].transpose(*[dim for dim in second.dims if dim in dataset[name].dims])
+    every = first.values.reshape(
+        [size if dim in first.dims else 1 for dim, size in zip(second.dims, second.shape, strict=True)]
+    )
+    of_cases = np.broadcast_to(every, second.shape)
+    return second.values / shown_unit(dataset, SECOND)[0], of_cases / shown_unit(dataset, name)[0]
 
 
 def _panel(axes: Axes, part: xarray.Dataset, told_against: str) -> None:
