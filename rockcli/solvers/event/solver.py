@@ -90,7 +90,7 @@ def _on_two_edges(batch: Batch) -> Response:
 
     judgement, leaves = None, _surely_leave(batch, run)
     if batch.save.scalars & CERTAINTY:
-        judgement = _judged(march, batch, parameters, level, run, leaves, in_lanes=in_lanes)
+        judgement = _judged(batch, parameters, level, run, leaves, in_lanes=in_lanes)
     scalars, reasons = scalars_of(batch, run, leaves)
     if judgement is not None:
         judgement.enter(scalars, reasons)
@@ -106,9 +106,7 @@ def _on_two_edges(batch: Batch) -> Response:
     return with_contact(batch, response, level, opened)
 
 
-def _judged(
-    march: ModuleType, batch: Batch, parameters: Array, level: Accuracy, run: Raw, leaves: Mask, *, in_lanes: bool
-) -> Judgement:
+def _judged(batch: Batch, parameters: Array, level: Accuracy, run: Raw, leaves: Mask, *, in_lanes: bool) -> Judgement:
     """What further runs show; where two part, the more accurate one takes the place of the first in `run`.
 
     What was solved in lanes is solved there again, as far as their tolerances go.  Not judged are those that do not

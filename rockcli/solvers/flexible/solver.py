@@ -63,7 +63,7 @@ def solve(batch: Batch) -> Response:
         if numerics.dt is not None
         else f"T_p/{PULSE_STEPS / fineness:g}, {ROCKING_STEP * fineness:g}/p",
     }
-    histories, impacts, t = histories_of(batch, run, prepared) if batch.save.histories else ({}, {}, np.empty(0))
+    histories, impacts, t = histories_of(batch, run) if batch.save.histories else ({}, {}, np.empty(0))
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
 
 

@@ -71,9 +71,7 @@ def scalars_of(
     return scalars, reasons
 
 
-def histories_of(
-    batch: Batch, run: Raw, columns: list[Prepared | None]
-) -> tuple[dict[str, Array], dict[str, Array], Array]:
+def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
     theta, rate, bend, moment = (run.histories[:, j] for j in range(4))
     written = np.isfinite(theta).any(axis=0)

@@ -65,7 +65,7 @@ def _reason(out: Array, outcome: int, par: Array) -> str:
 
 
 def histories_of(
-    batch: Batch, out: Array, mass: list[float], rows: list[Array], landings: list[Array]
+    batch: Batch, mass: list[float], rows: list[Array], landings: list[Array]
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
     n_time = max([1, *(int(np.isfinite(row[:, at.TH]).sum()) for row in rows)])

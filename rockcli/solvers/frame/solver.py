@@ -59,7 +59,7 @@ def solve(batch: Batch) -> Response:
     impacts: dict[str, Array] = {}
     t = np.empty(0)
     if batch.save.histories:
-        histories, impacts, t = histories_of(batch, runs.out, runs.mass, runs.history, runs.impacts)
+        histories, impacts, t = histories_of(batch, runs.mass, runs.history, runs.impacts)
     return Response(scalars, reasons, t, histories, impacts, _used(batch, runs))
 
 
