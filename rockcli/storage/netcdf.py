@@ -324,8 +324,8 @@ def _read(path: Path) -> Contents:
             axes = tuple(attrs.pop(AXES).split())
             attrs.pop(POINTS, None)  # none in those of earlier builds
             listed = {c for v in file.variables.values() for c in getattr(v, "coordinates", "").split()}
-            room = path.parent if os.access(path.parent, os.W_OK) else Path(tempfile.gettempdir())
-            fields = {name: _read_field(each, name, listed, room) for name, each in file.variables.items()}
+            folder = path.parent if os.access(path.parent, os.W_OK) else Path(tempfile.gettempdir())
+            fields = {name: _read_field(each, name, listed, folder) for name, each in file.variables.items()}
         except OutputError:
             raise
         except Exception as error:
@@ -333,17 +333,17 @@ def _read(path: Path) -> Contents:
     return Contents(axes, fields, attrs)
 
 
-def _read_field(variable: Any, name: str, listed: set[str], room: Path) -> Field:
+def _read_field(variable: Any, name: str, listed: set[str], folder: Path) -> Field:
     kept = [key for key in variable.ncattrs() if key not in ("_FillValue", "coordinates")]
     dims = tuple(variable.dimensions)
-    values = _read_values(variable, room)
+    values = _read_values(variable, folder)
     return Field(dims, values, {k: variable.getncattr(k) for k in kept}, name in listed or dims == (name,))
 
 
-def _read_values(variable: Any, room: Path) -> NDArray[Any]:
+def _read_values(variable: Any, folder: Path) -> NDArray[Any]:
     if variable.dtype is str or variable.size * variable.dtype.itemsize <= on_disk.IN_MEMORY:
         return np.asarray(variable[...])
-    values = full(variable.shape, 0, variable.dtype, room)
+    values = full(variable.shape, 0, variable.dtype, folder)
     for at in blocks(variable.shape, _pitch(variable)):
         put(values, at, np.asarray(variable[at]))
     return values

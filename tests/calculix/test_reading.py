@@ -12,7 +12,7 @@ from scenes import still
 from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.solvers.calculix.body import landings, motion_of, rotation
 from rockcli.solvers.calculix.case import prepare
-from rockcli.solvers.calculix.results import Displacements, Garbage, progress
+from rockcli.solvers.calculix.results import Displacements, UnreadableError, progress
 from rockcli.solvers.calculix.verdict import Body, fallen, judge
 
 BLOCK = """
@@ -60,7 +60,7 @@ def test_garbage_is_told(tmp_path, old, new, sentence):
         seen.read_on()
         seen.arrays()
 
-    with pytest.raises(Garbage, match=sentence):
+    with pytest.raises(UnreadableError, match=sentence):
         read()
 
 
@@ -69,7 +69,7 @@ def test_time_that_runs_backwards_is_told(tmp_path):
     path.write_text("".join(BLOCK.format(t=t) for t in (1.0, 2.0, 1.5)))
     seen = Displacements(path, nodes=2, start=1.0)
     seen.read_on()
-    with pytest.raises(Garbage, match="time does not increase"):
+    with pytest.raises(UnreadableError, match="time does not increase"):
         seen.arrays()
 
 

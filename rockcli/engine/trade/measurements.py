@@ -48,7 +48,7 @@ class Answers:
         return int(np.sum(self.outcome != FAILED)) == self.cases
 
     @property
-    def fate(self) -> str:
+    def why_no_peaks(self) -> str:
         """What all cases do, if it leaves peaks with nothing to tell; "" otherwise."""
         solved = self.outcome[self.outcome != FAILED]
         if self.complete and overturned(solved).all():

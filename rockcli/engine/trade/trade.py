@@ -278,8 +278,8 @@ def _points(series: Series, answers: dict[str, Answers], found: Trade) -> list[P
 
 def _tell(found: Trade, setting: Setting, best: Answers) -> None:
     """Note what all cases of the sample do under a model of the study, if peaks tell nothing then."""
-    note = f"model {model_word((setting.model, setting.geometry))}: {best.fate}"
-    if setting.part == NUMERICS and best.fate and note not in found.notes:
+    note = f"model {model_word((setting.model, setting.geometry))}: {best.why_no_peaks}"
+    if setting.part == NUMERICS and best.why_no_peaks and note not in found.notes:
         found.notes.append(note)
 
 

@@ -60,7 +60,7 @@ def in_order(dataset: xarray.Dataset, *axes: str) -> xarray.Dataset:
     return dataset
 
 
-def lonely(y: Array) -> NDArray[np.intp]:
+def isolated(y: Array) -> NDArray[np.intp]:
     """Values between two that are none: a line does not show them."""
     known = np.concatenate([[False], np.isfinite(y), [False]])
     return np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.cases import Array, axes_of, in_order, is_numeric, lonely, pick, selection_note
+from rockcli.plotting.common.cases import Array, axes_of, in_order, is_numeric, isolated, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, shown_unit, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -84,7 +84,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         style: dict[str, Any] = {"marker": marker and MARKERS[number], "markersize": 3.0, "markeredgewidth": 0.0}
         style |= {"color": COLOURS[number], "linestyle": LINES[number % len(LINES)]}
         axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, **style)
-        alone = lonely(y) if not marker else np.zeros(0, dtype=int)
+        alone = isolated(y) if not marker else np.zeros(0, dtype=int)
         axes.plot(x[alone], y[alone], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
     finite = np.concatenate([y[np.isfinite(y)] for y in curves])
     top = 1.12 * max(float(finite.max(initial=0.0)), 0.1)

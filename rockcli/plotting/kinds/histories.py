@@ -121,8 +121,8 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
     for number, case in enumerate(shown):
         colour = COLOURS[number]
         response = response_of(dataset, case.position)
-        fate = outcome_at(dataset, case.position)
-        if fate == "sliding":  # it does not turn: its panel is below
+        outcome = outcome_at(dataset, case.position)
+        if outcome == "sliding":  # it does not turn: its panel is below
             axes.plot([], [], label=_label(dataset, case), **_look(dataset, case, number))
             continue
         axes.plot(response.time, response.ratio, label=_label(dataset, case), zorder=3, **_look(dataset, case, number))
@@ -133,7 +133,7 @@ def _rotation(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Win
         if len(shown) == 1:
             _mark_peak(axes, dataset, case)
         reach = response.ratio
-        if fate.startswith("overturned"):
+        if outcome.startswith("overturned"):
             fell.append(reach)
             reach = _before_the_fall(reach)
         low = min(low, float(np.nanmin(reach, initial=0.0)))
@@ -192,10 +192,10 @@ def _peak(dataset: xarray.Dataset, position: Position) -> tuple[float, float]:
 
 def _label(dataset: xarray.Dataset, case: Shown) -> str:
     """A case in the legend, with what became of it unless it rocks or stays at rest."""
-    fate = outcome_at(dataset, case.position)
-    if fate.startswith("overturned"):
+    outcome = outcome_at(dataset, case.position)
+    if outcome.startswith("overturned"):
         return f"{case.label} (overturns)"
-    return f"{case.label} ({fate})" if fate in ("failed", "unresolved", "sliding") else case.label or "response"
+    return f"{case.label} ({outcome})" if outcome in ("failed", "unresolved", "sliding") else case.label or "response"
 
 
 def _slide(axes: Axes, dataset: xarray.Dataset, shown: list[Shown], seen: Window) -> None:
@@ -240,13 +240,13 @@ def _limits(axes: Axes, low: float, high: float) -> float:
 
 
 def _summary(dataset: xarray.Dataset, case: Shown) -> str:
-    fate = outcome_at(dataset, case.position)
-    if fate == "sliding":
+    outcome = outcome_at(dataset, case.position)
+    if outcome == "sliding":
         peak, end = (number_at(dataset, name, case.position) for name in ("slide_peak", "slide_residual"))
         most = f"slides at most {peak:.3g} m, " if np.isfinite(peak) else ""
         return most + (f"{abs(end):.3g} m in the end" if np.isfinite(end) else "slides on for ever")
-    if fate != "rocking":
-        return fate.replace("_", " ")
+    if outcome != "rocking":
+        return outcome.replace("_", " ")
     peak = number_at(dataset, "theta_peak_over_alpha", case.position)
     when = _peak(dataset, case.position)[0]
     impacts = number_at(dataset, "n_impacts", case.position)

@@ -74,16 +74,16 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure = new_figure(width, 0.7 + rows * (width / columns) * _HEIGHT)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     reach = np.zeros(3)
-    fates = []
+    outcomes = []
     for number, case in enumerate(shown):
         axes = grid.flat[number]
         reach = np.maximum(reach, _portrait(axes, dataset, case.position, width=0.9 if len(shown) == 1 else 0.6))
         if case.reference is not None:
             _portrait(axes, dataset, case.reference, width=0.6, quiet=True)
-        fate = outcome_at(dataset, case.position).replace("_", " ")
-        fates.append("" if fate == "rocking" else fate)
+        outcome = outcome_at(dataset, case.position).replace("_", " ")
+        outcomes.append("" if outcome == "rocking" else outcome)
         if len(shown) > 1:
-            panel_title(axes, ", ".join(part for part in (case.label, fates[-1]) if part), width / columns)
+            panel_title(axes, ", ".join(part for part in (case.label, outcomes[-1]) if part), width / columns)
     for axes in list(grid.flat)[len(shown) :]:
         axes.set_axis_off()
     models = [_falls_by(dataset, case) for case in shown]
@@ -110,7 +110,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         figure.supylabel(_UP, fontsize=9.0)
     without_dashpot = " without the dashpot" if may_have_dashpot(dataset) else ""
     notes = [
-        ", ".join(part for part in (shown[0].label, fates[0]) if part) if alone is not None else "",
+        ", ".join(part for part in (shown[0].label, outcomes[0]) if part) if alone is not None else "",
         selection_note(len(shown), total),
         f"{still} without rotation not drawn" if still else "",
         "dotted: impacts" if reach[2] / (2.0 * up) * high >= _SEEN else "",

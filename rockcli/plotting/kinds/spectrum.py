@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from rockcli.plotting.common.cases import Array, axes_of, is_numeric, lonely, pick, selection_note, thresholds_in
+from rockcli.plotting.common.cases import Array, axes_of, is_numeric, isolated, pick, selection_note, thresholds_in
 from rockcli.plotting.common.labels import shown_unit, symbol_of, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -238,7 +238,7 @@ def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...
     (line,) = axes.plot(x, np.where(np.isposinf(y), np.nan, y), **style)
     if dashes:
         line.set_dashes(dashes)
-    if len(alone := lonely(y)):
+    if len(alone := isolated(y)):
         dot: dict[str, Any] = {"markersize": style.get("linewidth", 1.0) + 0.6, "markeredgewidth": 0.0}
         axes.plot(x[alone], y[alone], "o", color=style["color"], zorder=style.get("zorder", 3), **dot)
     member = style.get("zorder") == _MEMBERS  # below those of the median, and thinner

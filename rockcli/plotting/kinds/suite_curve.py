@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.cases import axes_of, in_order, is_numeric, lonely, pick, selection_note
+from rockcli.plotting.common.cases import axes_of, in_order, is_numeric, isolated, pick, selection_note
 from rockcli.plotting.common.labels import axis_label, axis_values, title_of, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
@@ -57,7 +57,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         for axes, name in zip(grid, rows, strict=True):
             y = np.asarray(dataset[name].isel(case.place).values, dtype=float)
             axes.plot(x, np.where(np.isfinite(y), y, np.nan), label=case.label, **style)
-            if not style["marker"] and len(alone := lonely(y)):
+            if not style["marker"] and len(alone := isolated(y)):
                 axes.plot(x[alone], y[alone], "o", color=COLOURS[number], markersize=1.6, markeredgewidth=0.0)
     grid[0].set_ylabel("share that overturns")
     grid[0].set_ylim(-0.02, 1.02)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rockcli.errors import SolverError
 from rockcli.solvers.calculix.body import rotation
 from rockcli.solvers.calculix.deck import Deck
-from rockcli.solvers.calculix.results import Displacements, Garbage, progress
+from rockcli.solvers.calculix.results import Displacements, UnreadableError, progress
 from rockcli.solvers.calculix.run import JOB, run, version
 
 Array = NDArray[np.float64]
@@ -69,8 +69,8 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
     if (home / key / FINISHED).exists():
         try:
             return _kept(home / key, deck)
-        except Garbage as garbage:
-            log.warning("%s is run again: %s", home / key, garbage)
+        except UnreadableError as error:
+            log.warning("%s is run again: %s", home / key, error)
     _sweep(home, key)
     folder = home / f".{key}.{os.getpid()}"
     folder.mkdir(exist_ok=True)
@@ -125,8 +125,8 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
     try:
         complaint, stopped = run(folder, limit=_limit(), enough=look)
         result = None if complaint else _read(folder, deck)
-    except Garbage as garbage:
-        complaint, result = f"what CalculiX wrote cannot be read: {garbage}", None
+    except UnreadableError as error:
+        complaint, result = f"what CalculiX wrote cannot be read: {error}", None
     so_far = progress(folder / f"{JOB}.sta", deck.t_static)
     if result is not None and not stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
         complaint = "CalculiX ended early without a message"
@@ -141,15 +141,15 @@ def _kept(folder: Path, deck: Deck) -> Result:
     """Read a run that is kept.
 
     Raises:
-        Garbage: as `_read`, or it does not end where it ended when it was finished.
+        UnreadableError: as `_read`, or it does not end where it ended when it was finished.
     """
     try:
         t_end = json.loads((folder / FINISHED).read_text(encoding="utf-8"))["t_end"]
     except (ValueError, KeyError, TypeError, OSError):
-        raise Garbage(f"{FINISHED} cannot be read") from None
+        raise UnreadableError(f"{FINISHED} cannot be read") from None
     result = _read(folder, deck)
     if result.t[-1] != t_end:
-        raise Garbage(f"{JOB}.dat ends at {result.t[-1]:.4g} s, not at {t_end!r} s")
+        raise UnreadableError(f"{JOB}.dat ends at {result.t[-1]:.4g} s, not at {t_end!r} s")
     return result
 
 
@@ -157,7 +157,7 @@ def _read(folder: Path, deck: Deck) -> Result:
     """Read a finished run.
 
     Raises:
-        Garbage: its file does not hold what it should.
+        UnreadableError: its file does not hold what it should.
     """
     found = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
     found.read_on()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Garbage(ValueError):  # noqa: N818 - says what was found
+class UnreadableError(ValueError):
     """A file of CalculiX does not hold what it should; the sentence says what."""
 
 
@@ -40,7 +40,7 @@ class Displacements:
         """Read what has been written since the last call and return the number of whole blocks known.
 
         Raises:
-            Garbage: a line inside a block is not a node's.
+            UnreadableError: a line inside a block is not a node's.
         """
         if not self.path.exists():
             return 0
@@ -61,7 +61,9 @@ class Displacements:
         elif self._inside and line.strip():
             words = line.split()
             if len(words) != 4:
-                raise Garbage(f"{self.path.name}: a node and three displacements are expected, not {line.strip()!r}")
+                raise UnreadableError(
+                    f"{self.path.name}: a node and three displacements are expected, not {line.strip()!r}"
+                )
             self._rows.append([_number(word, line, self.path) for word in words[1:]])
             if len(self._rows) == self.nodes:
                 self._inside = False
@@ -76,22 +78,22 @@ class Displacements:
         """Times from the end of the static steps on, (k,) [s], the first 0, and displacements, (k, nodes, 3) [m].
 
         Raises:
-            Garbage: there are none, they are not finite, or time does not grow.
+            UnreadableError: there are none, they are not finite, or time does not grow.
         """
         if not self._times:
-            raise Garbage(f"{self.path.name} holds no displacements")
+            raise UnreadableError(f"{self.path.name} holds no displacements")
         t = np.array(self._times) - self.start
         u = np.array(self._blocks)
         kept = t > -1e-6 * max(self.start, 1.0)
         t, u = t[kept], u[kept]
         if not len(t):
-            raise Garbage(f"{self.path.name} ends before the motion begins")
+            raise UnreadableError(f"{self.path.name} ends before the motion begins")
         if not (np.isfinite(u).all() and np.isfinite(t).all()):
-            raise Garbage(f"{self.path.name} holds displacements that are not finite")
+            raise UnreadableError(f"{self.path.name} holds displacements that are not finite")
         # seven digits are printed of a time: neighbours may agree
         t[0] = max(t[0], 0.0)
         if np.any(np.diff(t) < 0.0):
-            raise Garbage(f"{self.path.name}: time does not increase")
+            raise UnreadableError(f"{self.path.name}: time does not increase")
         new = np.concatenate([[True], np.diff(t) > 0.0])
         return t[new], u[new]
 
@@ -100,7 +102,7 @@ def _number(word: str, line: str, path: Path) -> float:
     try:
         return float(word)
     except ValueError:
-        raise Garbage(f"{path.name}: a number is expected in {line.strip()!r}") from None
+        raise UnreadableError(f"{path.name}: a number is expected in {line.strip()!r}") from None
 
 
 class Progress(NamedTuple):

@@ -195,17 +195,17 @@ def run(
             places = every[of_those]
             out = np.zeros((len(places), width))
             begin = starts[places]
-            motions, room = (*ground[:-1], spans[of_those]), lanes.work_space()
+            motions, work = (*ground[:-1], spans[of_those]), lanes.work_space()
             if heave is not None:
                 lifting: Any = kernels.load("lanes.records.vertical", compile_them=bool(kernels.compiled))
-                lifting.march_vertical(rows[places], how, *motions, two_sided, heave, table, begin, room, out)
+                lifting.march_vertical(rows[places], how, *motions, two_sided, heave, table, begin, work, out)
             elif feet is None or felt is None:
-                lanes.march_lanes(rows[places], table, how, *motions, two_sided, holds, begin, room, out)
+                lanes.march_lanes(rows[places], table, how, *motions, two_sided, holds, begin, work, out)
             else:
                 slipping: Any = kernels.load("lanes.records.slipping", compile_them=bool(kernels.compiled))
                 slips, feels = (slipping.work_space_of_slips(), *slipping.work_space_of_feet()), felt[places]
                 slipping.march_slipping(
-                    rows[places], table, how, *motions, begin, room, out, feet[places], *slips, feels
+                    rows[places], table, how, *motions, begin, work, out, feet[places], *slips, feels
                 )
                 felt[places] = feels
             found[places], starts[places] = out, begin

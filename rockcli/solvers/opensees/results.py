@@ -16,7 +16,7 @@ from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, impacts_of, last_outward, note_unstored, rigid_top
 from rockcli.solvers.opensees.case import CaseOfOpenSees
 from rockcli.solvers.opensees.run import Answer
-from rockcli.solvers.opensees.verdict import fate, outcome_law
+from rockcli.solvers.opensees.verdict import outcome_law, verdict_afterwards
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def scalars_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, NDArray
             continue
         answer = outcome[1]
         law = outcome_law(batch, i, outcome[0].number("m"))
-        verdict[i], side[i], struck_later[i] = fate(batch, i, answer, law)
+        verdict[i], side[i], struck_later[i] = verdict_afterwards(batch, i, answer, law)
         for name in names:
             said[name][i] = answer.summary.get(name)  # null where there is none
         if verdict[i] == FALLS:

@@ -87,8 +87,8 @@ def _damper(batch: Batch, i: int) -> float:
     return float(dashpot_rate(damping.coefficient[at], *body, batch.g[at])[0]) / float(batch.p[i, LEFT])
 
 
-def fate(batch: Batch, i: int, answer: Answer, law: Law) -> tuple[int, float, bool]:
-    """Does the body, left alone from where the script ended, ever fall?  FALLS, RETURNS or UNDECIDED; side; landings.
+def verdict_afterwards(batch: Batch, i: int, answer: Answer, law: Law) -> tuple[int, float, bool]:
+    """What becomes of case i after its script: FALLS, RETURNS or UNDECIDED; on which side; whether it lands before.
 
     Past pi/2 it has fallen, at rest it has not.  Otherwise the rigid law decides by its energy, impact by impact: the
     side, -1 or 1, is the one it is on by then, and it may have landed on the way there.  A dashpot takes energy on the
