@@ -34,8 +34,8 @@ class StuckError(Exception):
 class Method:
     """A method: its name, scipy's class (or one that looks like it), its order, and where it comes from.
 
-    `multistep`: it needs its past, so that a new start (every sample of a record is one) is dear, and events are read
-    off its dense output; a one-step method takes a step that ends on the event.
+    `multistep`: it needs its past, so that a new start (every sample of a record is one) is expensive, and events are
+    read off its dense output; a one-step method takes a step that ends on the event.
     """
 
     name: str
