@@ -48,7 +48,11 @@ def _is_ours(path: Path) -> bool:
 
 
 def write_junit(reports: Sequence[RunReport], path: Path) -> None:
-    """One test suite per study: a test for its cases being solved, and one per clause of `expect`."""
+    """One test suite per study: a test for its cases being solved, and one per clause of `expect`.
+
+    Raises:
+        OutputError: another file is there, or it cannot be written.
+    """
     suites = [_suite(report) for report in reports]
     root = ET.Element("testsuites", name="rock run")
     for count in COUNTS:

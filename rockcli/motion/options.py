@@ -39,7 +39,11 @@ class OptionError(RecordError):
 
 
 def window_options(window: Any, end: float, dt: float, file: str) -> tuple[float, float]:
-    """Begin and end [s] of `window: [t1, t2]`, inside a motion that lasts from 0 to `end`."""
+    """Begin and end [s] of `window: [t1, t2]`, inside a motion that lasts from 0 to `end`.
+
+    Raises:
+        OptionError: it is no such pair, or shorter than a time step.
+    """
     expected = f"expected [t1, t2] in seconds with 0 <= t1 < t2 <= {end:g}"
     if isinstance(window, str) or not hasattr(window, "__len__") or len(window) != 2:
         raise OptionError("window", f"`window` is {window!r}; {expected}", file)
@@ -51,7 +55,11 @@ def window_options(window: Any, end: float, dt: float, file: str) -> tuple[float
 
 
 def taper_options(taper: Any, file: str) -> tuple[float, str]:
-    """Fraction of the length tapered at each end, and the shape, of `taper: 0.05` or `{fraction, type}`."""
+    """Fraction of the length tapered at each end, and the shape, of `taper: 0.05` or `{fraction, type}`.
+
+    Raises:
+        OptionError: the fraction is not above 0 and at most 0.5, or the shape is not known.
+    """
     options = _mapping(taper, "taper", ("fraction", "type"), ("fraction",), file)
     expected = "expected the fraction of the record tapered at each end, above 0, at most 0.5"
     fraction = number(options.get("fraction"), "taper", expected, file)
@@ -65,6 +73,9 @@ def filter_options(key: str, value: Any, dt: float, file: str) -> dict[str, Any]
 
     `highpass: 0.1`, `lowpass: {freq: 20, corners: 2, zerophase: false}`, `bandpass: [0.1, 20]` or
     `{freqmin, freqmax, corners, zerophase}`; 4 corners and zero phase unless said.
+
+    Raises:
+        OptionError: a frequency is not between 0 and that of Nyquist, or an option is none of these.
     """
     frequencies = SIDE[key]
     options = _mapping(value, key, (*frequencies, "corners", "zerophase"), frequencies, file)
@@ -87,7 +98,11 @@ def filter_options(key: str, value: Any, dt: float, file: str) -> dict[str, Any]
 
 
 def resample_options(resample: Any, duration: float, file: str) -> tuple[float, str]:
-    """New time step [s] and method of `resample: {dt, method}`; the method moves the peaks, so it must be said."""
+    """New time step [s] and method of `resample: {dt, method}`; the method moves the peaks, so it must be said.
+
+    Raises:
+        OptionError: one of them is missing or not known, or there would be too many samples.
+    """
     expected = f"expected {{dt: seconds, method: one of {', '.join(METHODS)}}}"
     if not isinstance(resample, Mapping) or "method" not in resample:
         raise OptionError("resample", f"`resample` is {resample!r}; {expected}", file)

@@ -107,7 +107,7 @@ def alone(lines: list[str], end: int, name: str) -> None:
 
 
 def sought(pattern: str, line: str, what: str, name: str, number: int) -> re.Match[str]:
-    """What a pattern finds on a line, which is told in words where it does not."""
+    """What a pattern finds on a line; `RecordError`, which expects `what`, where it finds nothing."""
     match = re.search(pattern, line, re.I)
     if match is None:
         raise RecordError(f"expected {what}, not {line.strip()[:60]!r}", name, number)
@@ -115,7 +115,7 @@ def sought(pattern: str, line: str, what: str, name: str, number: int) -> re.Mat
 
 
 def unit_of(words: str, name: str, number: int) -> str:
-    """The unit of acceleration that the file states."""
+    """The unit of acceleration that the file states; `RecordError` for one that is not known."""
     unit = unit_named(words.strip(" ()."))
     if unit is None:
         raise RecordError(f"the values are in {words.strip()!r}, not a unit of acceleration known here", name, number)
@@ -129,21 +129,21 @@ def number_in(text: str) -> float:
 
 
 def decimal(text: str, what: str, name: str, number: int) -> float:
-    """A number, which the text is as a whole."""
+    """A number, which the text is as a whole, else `RecordError`."""
     if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?", text, re.ASCII):
         raise RecordError(f"{what} is {text!r}; expected a number", name, number)
     return float(re.sub("[dD]", "E", text))
 
 
 def whole(text: str, what: str, name: str, number: int) -> int:
-    """A number of values, two or more."""
+    """A number of values, two or more, else `RecordError`."""
     if not re.fullmatch(r"\s*\d{1,9}\s*", text) or int(text) < 2:
         raise RecordError(f"{what} is {text.strip()!r}; expected two or more", name, number)
     return int(text)
 
 
 def step(value: float, name: str, number: int) -> float:
-    """A time step [s], above zero."""
+    """A time step [s], above zero, else `RecordError`."""
     if not 0.0 < value < math.inf:
         raise RecordError(f"the time step is {value:g} s; expected seconds, above zero", name, number)
     return value

@@ -69,7 +69,11 @@ def default_dt(batch: Batch, case: int) -> float:
 
 
 def case_of(batch: Batch, case: int, kernel: Kernels, *, coarser: float = 1.0) -> CaseOfFrame:
-    """One case; `coarser` multiplies its time step and yield rotation."""
+    """One case; `coarser` multiplies its time step and yield rotation.
+
+    Raises:
+        SolverError: the step is too long, the yield rotation is not small against alpha, or the column buckles.
+    """
     kind = kind_of_base(batch)
     structure = structure_of(batch, case, fibres=kind == at.FIBRES)
     block, numerics = batch.block, batch.numerics

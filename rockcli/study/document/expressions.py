@@ -134,7 +134,7 @@ class Expression:
 
 
 def constant(name: str) -> Value:
-    """Value of a unit or of pi: the lookup of an expression outside a case."""
+    """Value of a unit or of pi, the lookup of an expression outside a case; `ExpressionError` for any other name."""
     if name in CONSTANTS:
         return CONSTANTS[name]
     raise ExpressionError(f"`{name}` is not known here, only numbers, units and pi")

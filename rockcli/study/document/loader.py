@@ -96,7 +96,7 @@ def load_any(path: Path) -> Any:
 
 
 def load_value(text: str, label: str, *, named: bool = False) -> Any:
-    """Read the value of a `--set`; its place is `label`.  `named`: of a key of NAMES."""
+    """Read the value of a `--set`, whose place is `label`; `StudyError` if it is no YAML.  `named`: of one of NAMES."""
     if len(text) > MAX_BYTES:
         raise StudyError("the value is too long", file=label)
     value = _parse(text, Source(None), label)
@@ -104,7 +104,7 @@ def load_value(text: str, label: str, *, named: bool = False) -> Any:
 
 
 def load_mapping(value: Any) -> Map:
-    """A study given as a mapping: copied, and only what YAML could hold let through."""
+    """A study given as a mapping, copied; `StudyError` for what YAML could not hold."""
     count = [0]
     copied = _plain(value, (), count)
     if not isinstance(copied, Map):
