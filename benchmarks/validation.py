@@ -180,7 +180,7 @@ def event_records(*found: xarray.Dataset) -> tuple[str, str]:
             close += error < 0.01
             worst = max(worst, error)
     return (
-        f"same outcome in {same} of {len(found)}; where they stand, peaks within 1 % in {close} of {stand}, worst {percent(worst, 0)}: "
+        f"same outcome in {same} of {len(found)}; where they remain stable, peaks within 1 % in {close} of {stand}, worst {percent(worst, 0)}: "
         "peaks that come late, after histories have parted",
         "outcomes hold; peaks depend on the motion",
     )
