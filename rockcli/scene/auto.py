@@ -129,7 +129,7 @@ def highest(batch: Batch) -> Batch:
 
 
 def candidate_of_reference(batch: Batch) -> int:
-    """Rung of `highest`."""
+    """The candidate that `highest` is."""
     if batch.column is None:
         return RIGID
     return COLUMN if batch.base is None else WINKLER

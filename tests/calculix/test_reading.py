@@ -10,7 +10,7 @@ from mesh_cases import mesh_batch
 from scenes import still
 
 from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
-from rockcli.solvers.calculix.body import landings, motion_of, rotation
+from rockcli.solvers.calculix.body import find_impacts, motion_of, rotation
 from rockcli.solvers.calculix.case import prepare
 from rockcli.solvers.calculix.results import Displacements, UnreadableError, progress
 from rockcli.solvers.calculix.verdict import Body, fallen, judge
@@ -143,7 +143,7 @@ def test_one_landing_per_excursion():
     theta = np.where(t < 1.0, 0.0, np.sin(np.pi * (t - 1.0)))
     near = (t > 1.99) & (t < 2.01)
     theta[near] = 1e-4 * np.sin(2000.0 * t[near])  # the base trembles when it lands
-    found = landings(t, theta, np.ones(len(t)), 1e-3)
+    found = find_impacts(t, theta, np.ones(len(t)), 1e-3)
     assert found.opened == pytest.approx(1.0, abs=2e-3)
     assert len(found.t) == 2
     np.testing.assert_allclose(found.t, [2.0, 3.0], atol=0.011)
@@ -153,7 +153,7 @@ def test_one_landing_per_excursion():
 
 def test_a_body_that_only_trembles_has_not_rocked():
     t = np.linspace(0.0, 1.0, 101)
-    found = landings(t, 5e-4 * np.sin(40.0 * t), np.ones(len(t)), 1e-3)
+    found = find_impacts(t, 5e-4 * np.sin(40.0 * t), np.ones(len(t)), 1e-3)
     assert np.isnan(found.opened)
     assert len(found.t) == 0
 
@@ -168,10 +168,10 @@ def test_a_body_that_turns_with_a_soft_base_has_not_rocked_until_an_edge_opens()
     b = np.abs(deck.mesh.x_base).max()
     opens = t[np.argmax(b * np.abs(theta) > sunk)]
     assert opens > t[np.argmax(np.abs(theta) > 1e-3)] + 0.1
-    found = landings(t, motion.theta, motion.lift, 1e-3)
+    found = find_impacts(t, motion.theta, motion.lift, 1e-3)
     assert found.opened == pytest.approx(opens, abs=0.01)
     assert found.t[0] == pytest.approx(np.ceil(2.0 * opens) / 2.0, abs=0.01)
-    assert np.isnan(landings(t, motion.theta, motion.lift - b, 1e-3).opened)
+    assert np.isnan(find_impacts(t, motion.theta, motion.lift - b, 1e-3).opened)
 
 
 BODY = Body(alpha=0.1, p=1.0, period=0.2, motion_end=1.0, theta_star=0.1, barrier=1.0 - np.cos(0.1))

@@ -1,6 +1,6 @@
 """Friction and contact of a body on the ground: the five modes of contact, and when it only slides.
 
-Friction is Coulomb's, one coefficient `mu` at rest and in motion.
+Friction is Coulomb's; `mu` is the coefficient at rest, which decides what begins.
 """
 
 from __future__ import annotations

@@ -71,7 +71,7 @@ def rotation(x: Array, base: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Landings:
+class Impacts:
     """Impacts: times (j,) [s] and rates of rotation before and after [rad/s]; opened: when it first rocked [s]."""
 
     t: Array
@@ -85,7 +85,7 @@ class Landings:
         return np.column_stack([self.t, self.before, self.after])
 
 
-def landings(t: Array, theta: Array, lift: Array, threshold: float) -> Landings:
+def find_impacts(t: Array, theta: Array, lift: Array, threshold: float) -> Impacts:
     """Passages of theta (k,) through zero, one per excursion beyond +-threshold [rad] with an edge open, `lift` > 0.
 
     The base may vibrate within the threshold as it likes, and a soft one turn with the body: an excursion ends at the
@@ -95,7 +95,7 @@ def landings(t: Array, theta: Array, lift: Array, threshold: float) -> Landings:
     beyond = np.minimum(np.abs(theta) - threshold, lift)
     out = beyond > 0.0
     if not out.any():
-        return Landings(np.empty(0), np.empty(0), np.empty(0), np.nan)
+        return Impacts(np.empty(0), np.empty(0), np.empty(0), np.nan)
     first = int(np.argmax(out))
     opened = float(t[first]) if first == 0 else _between(t, beyond, first - 1)
     found: list[int] = []
@@ -111,7 +111,7 @@ def landings(t: Array, theta: Array, lift: Array, threshold: float) -> Landings:
     for j, i in enumerate(found):
         before[j] = _slope(t, theta, edges[j], i, late=True)
         after[j] = _slope(t, theta, i + 1, edges[j + 2], late=False)
-    return Landings(times, before, after, opened)
+    return Impacts(times, before, after, opened)
 
 
 def _between(t: Array, value: Array, i: int) -> float:

@@ -32,7 +32,7 @@ STEPS = 180.0
 """Increments per clamped period of the body, at accuracy `standard`."""
 
 LEAST_STEPS = 8.0
-"""Increments per clamped period below which landings may gain energy, so that a body overturns that would not."""
+"""Increments per clamped period below which an impact may give energy, so that a body overturns that would not."""
 
 PULSE_STEPS, ROCKING_STEPS = 100.0, 50.0
 """Increments at least per period of a pulse, and per 1/p, at accuracy `standard`."""

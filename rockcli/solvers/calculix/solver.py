@@ -14,7 +14,7 @@ from rockcli.kernels.constants import FALLS, NO_ANSWER, UNDECIDED
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import UNRESOLVED, Response
 from rockcli.scene.variables import COUNTS
-from rockcli.solvers.calculix.body import Landings, Motion, landings, motion_of
+from rockcli.solvers.calculix.body import Impacts, Motion, find_impacts, motion_of
 from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program, version
@@ -30,7 +30,7 @@ class _Solved:
 
     prepared: Prepared
     motion: Motion
-    landings: Landings
+    impacts: Impacts
 
 
 def solve(batch: Batch) -> Response:
@@ -59,7 +59,7 @@ def solve(batch: Batch) -> Response:
         counted["n_steps"][i], counted["n_rhs"][i] = result.increments, result.iterations
         if not result.complaint:
             motion = motion_of(prepared.deck, result.t, result.u)
-            solved[i] = _Solved(prepared, motion, landings(motion.t, motion.theta, motion.lift, prepared.threshold))
+            solved[i] = _Solved(prepared, motion, find_impacts(motion.t, motion.theta, motion.lift, prepared.threshold))
         wall_time[i] = time.perf_counter() - began
     scalars = counted | _scalars(batch, solved, reasons) | {"wall_time": wall_time}
     used = _used(batch)
@@ -67,7 +67,7 @@ def solve(batch: Batch) -> Response:
         return Response(scalars=scalars, reasons=reasons, used=used)
     histories, t = _histories(batch, solved)
     none = np.empty((0, 3))
-    impacts = impacts_of([none if case is None else case.landings.rows for case in solved])
+    impacts = impacts_of([none if case is None else case.impacts.rows for case in solved])
     return Response(scalars=scalars, reasons=reasons, time=t, histories=histories, impacts=impacts, used=used)
 
 
@@ -82,7 +82,7 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         if case is None:
             continue
         motion, deck = case.motion, case.prepared.deck
-        verdict[i], n_impacts[i] = judge(case.prepared.body, motion.t, motion.theta), len(case.landings.t)
+        verdict[i], n_impacts[i] = judge(case.prepared.body, motion.t, motion.theta), len(case.impacts.t)
         at = int(np.argmax(np.abs(motion.theta)))
         t_overturn = last_outward(motion.t, motion.theta, case.prepared.body.theta_star)
         fell = verdict[i] == FALLS
@@ -91,7 +91,7 @@ def _scalars(batch: Batch, solved: list[_Solved | None], reasons: list[str]) -> 
         side[i] = np.sign(motion.theta[at])
         values = (
             abs(motion.theta[at]), np.max(np.abs(_rate(motion))), np.max(np.abs(motion.u_top)), motion.t[at],
-            case.landings.opened, t_overturn, motion.t[-1], N_min,
+            case.impacts.opened, t_overturn, motion.t[-1], N_min,
         )  # fmt: skip
         for name, value in zip(names, values, strict=True):
             read[name][i] = value

@@ -202,7 +202,7 @@ def _march(
         kernel.march(
             par, modes, m.T, z, v, MAX_STEPS,
             horizontal, h_data[i if len(h_data) > 1 else 0], vertical, v_data[i if len(v_data) > 1 else 0],
-            batch.save.dt_out, run.histories[i], run.landings[i], run.out[i], arrays,
+            batch.save.dt_out, run.histories[i], run.impacts[i], run.out[i], arrays,
         )  # fmt: skip
     return run
 

@@ -17,12 +17,12 @@ Array = NDArray[np.float64]
 
 
 class Raw:
-    """Raw output for a batch: `out` (n, N_OUT), histories (n, 4, k), landings (n, 3, j)."""
+    """Raw output for a batch: `out` (n, N_OUT), histories (n, 4, k), impacts (n, 3, j)."""
 
-    def __init__(self, n: int, n_time: int, n_landings: int) -> None:
+    def __init__(self, n: int, n_time: int, n_impacts: int) -> None:
         self.out = np.full((n, at.N_OUT), np.nan)
         self.histories = np.full((n, 4, n_time), np.nan)
-        self.landings = np.full((n, 3, n_landings), np.nan)
+        self.impacts = np.full((n, 3, n_impacts), np.nan)
 
 
 def scalars_of(
@@ -89,6 +89,6 @@ def histories_of(batch: Batch, run: Raw) -> tuple[dict[str, Array], dict[str, Ar
         "M_base": moment * length**2 * mass,
         "u_top_bending": across * np.cos(theta),
     }
-    n_impacts = int(np.isfinite(run.landings[:, 0]).any(axis=0).sum())
-    impacts = {name: run.landings[:, j, :n_impacts] for j, name in enumerate(IMPACTS)}
+    n_impacts = int(np.isfinite(run.impacts[:, 0]).any(axis=0).sum())
+    impacts = {name: run.impacts[:, j, :n_impacts] for j, name in enumerate(IMPACTS)}
     return histories, impacts, t

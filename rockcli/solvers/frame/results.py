@@ -65,7 +65,7 @@ def _reason(out: Array, outcome: int, par: Array) -> str:
 
 
 def histories_of(
-    batch: Batch, mass: list[float], rows: list[Array], landings: list[Array]
+    batch: Batch, mass: list[float], rows: list[Array], impacts: list[Array]
 ) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Histories (n, k) and impacts (n, j) by name, and the output times (k,) [s]; NaN where a case has ended."""
     n_time = max([1, *(int(np.isfinite(row[:, at.TH]).sum()) for row in rows)])
@@ -86,4 +86,4 @@ def histories_of(
     }
     if batch.model == "flexible":
         histories["u_top_bending"] = raw[:, :, at.U_BENDING]
-    return histories, impacts_of(landings), t
+    return histories, impacts_of(impacts), t

@@ -89,8 +89,8 @@ def histories_of(batch: Batch, outcomes: list[Outcome]) -> tuple[dict[str, Array
     if batch.model != "flexible":
         del histories["u_top_bending"]
     none = np.empty((0, 3))
-    landings = [answered[i][1].impacts if i in answered else none for i in range(batch.size)]
-    return histories, impacts_of(landings), t
+    impacts = [answered[i][1].impacts if i in answered else none for i in range(batch.size)]
+    return histories, impacts_of(impacts), t
 
 
 def _at(table: Array, t: Array) -> list[Array]:
