@@ -3,7 +3,7 @@
     python benchmarks/damping_over_records.py FOLDER_WITH_AT2_RECORDS [--times 2]
 
 Two blocks (R = 5 m, h/b = 10; R = 2 m, h/b = 6), every AT2 file of the folder scaled to `times` g tan(alpha).  The
-source tries event-based damping, a base dashpot, numerical (HHT) dissipation on no-tension fibres, and FEMA-356 on a
+thesis tries event-based damping, a base dashpot, numerical (HHT) dissipation on no-tension fibres, and FEMA-356 on a
 record or two each; this does it on all of them.  Error: |peak - peak of the block| over the peak of the block, where
 both remain stable.  An `unresolved` case (HHT: two steps that disagree on the outcome) counts as a wrong outcome.  HHT is
 stepped in 1e-4 s, compiled: some seconds of CPU a record.  Writes results/damping_over_records.csv and the table of

@@ -1,4 +1,4 @@
-"""The pulses of the source against independent high-precision histories (tables.py)."""
+"""The pulses of the thesis against independent high-precision histories (tables.py)."""
 
 from __future__ import annotations
 
