@@ -86,6 +86,14 @@ def test_the_first_minute():
             assert f" {first:.1f} " in page, row
 
 
+def test_fema_over_the_records():
+    rows = [r for r in rows_of("damping_over_records") if r["scheme"] == "FEMA-356"]
+    right = " and ".join(r["same outcome"] for r in rows)
+    low, high = sorted(round(float(r["median error [%]"])) for r in rows)
+    said = f"{right} of {rows[0]['records']} outcomes right, peaks off by {low} to {high} % in the median"
+    assert said in text_of("docs/rules.md")
+
+
 def test_samples_of_uncertain_inputs():
     seconds = {int(r["samples"]): float(r["seconds"]) for r in rows_of("uncertain")}
     said = f"10^5 samples of a pulse took {seconds[100_000]:.0f} s for the whole command"
