@@ -39,7 +39,6 @@ _FIRST = ("body", "barriers", "motion")
 def page(
     dataset: xarray.Dataset,
     verdicts: Sequence[tuple[bool, str]] = (),
-    kinds: Sequence[str] = (),
     tables: Sequence[Table] = (),
 ) -> str:
     """The report of a dataset, from the dataset alone.
@@ -47,12 +46,11 @@ def page(
     Args:
         dataset: written by `rock run`.
         verdicts: (met, words) of the clauses of `expect`.
-        kinds: kinds of plot; () = those its content suggests.
         tables: what the suite and the rules come to.
     """
     attrs = dataset.attrs
     name, title = str(attrs.get("study_name", "study")), str(attrs.get("title", ""))
-    plots = list(kinds or default_kinds(dataset))
+    plots = list(default_kinds(dataset))
     if "body" not in plots and not {"barriers", "curves", "work_precision"} & {*plots}:
         plots.append("body")
     if "motion" not in plots and not why_not("motion", dataset):

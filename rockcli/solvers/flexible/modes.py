@@ -27,7 +27,6 @@ class Modes:
         T: contact modes to open modes (N, N).
         mobility: [M^-1]_00.
         kappa: b_u' K_cc^-1 b_u of the held column: softening by bending under its own lean [s^2].
-        omega_1: first circular frequency of the held column [rad/s].
     """
 
     lam: Array
@@ -41,7 +40,6 @@ class Modes:
     T: Array
     mobility: float
     kappa: float
-    omega_1: float
 
 
 class UnstableError(ValueError):
@@ -121,8 +119,7 @@ def make_modes(
     held_lam, held = held_modes(beam, bending, weight, rotary)
     if held_lam[0] <= 1e-9 * bending:
         raise UnstableError("the column buckles under its own weight")
-    omega_1 = float(np.sqrt(held_lam[0]))
-    beta = 2.0 * zeta / omega_1
+    beta = 2.0 * zeta / float(np.sqrt(held_lam[0]))  # 2 zeta/omega_1 of the held column
     M = beam.mass + rotary * beam.rotary
     K = bending * beam.stiffness - weight * beam.weight
     lam, phi = free_modes(beam, bending, weight, rotary, 0.0)
@@ -157,4 +154,4 @@ def make_modes(
         row[0] = shape[0]
         T[...] = phi.T @ M @ shape
     kappa = float(beam.uniform[1:] @ solve(K[1:, 1:], beam.uniform[1:], assume_a="sym"))
-    return Modes(lams, cs, bu, th, top, row, row_v, r_a, T, float(mobile[0]), kappa, omega_1)
+    return Modes(lams, cs, bu, th, top, row, row_v, r_a, T, float(mobile[0]), kappa)
