@@ -382,7 +382,7 @@ class SavePart(Part):
 
     histories: Histories | None = key("true, false or {axis: value}; default true for <= 100 cases")
     dt_out: Number | None = key("output spacing [s]; default min(0.005 s, T_p/200, record dt)")
-    scalars: Scalars | None = key("all, or a list; default all for <= 100 000 cases")
+    scalars: Scalars | None = key("all, or a list; default all for <= 100 000 cases, with `uncertain` <= 10 000")
 
 
 Target = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
