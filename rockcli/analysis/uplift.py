@@ -9,6 +9,7 @@ from rockcli.analysis.measures import peaks_of_both_signs
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.models import MODELS
+from rockcli.scene.repeated import repeated
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ def factor_of(batch: Batch) -> Array:
     """
     scheme = batch.damping.fema356
     if scheme is None:
-        return np.ones(batch.size)
+        return repeated(np.ones(1), batch.size)
     return np.where(np.isnan(scheme.fixed_base_period) & (scheme.spectrum is None), scheme.W_over_Mg, np.nan)
 
 
