@@ -6,7 +6,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scenes import G, block, pulse, rock, still, unit_block
+from scenes import G, block, pulse, record, rock, still, unit_block
+
+from rockcli.scene.body.block import make_block
 
 LEVELS = ["draft", "standard", "reference"]
 
@@ -28,6 +30,20 @@ def test_extremes_of_the_forces_inside_a_swing(alpha, accuracy):
     mu, N = extremes(alpha, q, 2.0 * (np.cos(0.3 * alpha) - np.cos(alpha - q)))
     assert response.scalars["N_min_over_mg"][0] == pytest.approx(N, rel=1e-4, abs=1e-9)
     assert response.scalars["mu_required"][0] == pytest.approx(mu, rel=1e-3)
+
+
+@pytest.mark.parametrize("accuracy", LEVELS)
+def test_friction_is_largest_within_a_sample_at_the_end_of_which_it_acts_the_other_way(accuracy):
+    """As with sixteen samples for one: |T|/N rises, falls to zero and rises again between two of them."""
+    values, dt = np.array([0.0, 16.0, 23.7, 20.9, 9.9, -3.8, -14.5, 0.0]), 0.0625
+    fine = np.interp(np.arange(16 * 7 + 1) / 16, np.arange(8), values)
+    body, how = make_block(h=0.5, b=0.38, r_g=0.46), {"theta_dot_0": -0.94, "eta": 0.8, "accuracy": accuracy}
+    needed, often = (
+        rock(body, motion, histories=True, **how).scalars["mu_required"][0]
+        for motion in (record(values, dt), record(fine, dt / 16))
+    )
+    assert needed == pytest.approx(often, rel=1e-6)
+    assert often == pytest.approx(1.192323, rel=1e-6)
 
 
 @pytest.mark.parametrize("accuracy", LEVELS)

@@ -9,12 +9,12 @@ from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rigid.series import bend, slope, third, value
 
 RATE, NORMAL, FRICTION = 0, 1, 2
-"""What is watched: |q'|, N and |T|/N; its values stand in slots 0-2, its derivatives (to their sign) in slots 3-5."""
+"""What is watched: |q'|, N and |T|/N, in slots 0-2; slots 3-5 have the signs of the slopes of |q'|, -N and T/N."""
 
 
 @jit
 def contact(edge, s, c, n, y, a, a_v, deg, force):
-    """Rate, N/g and |T|/N at y, and what has the sign of their derivatives, into force[0:6]; per unit mass.
+    """Rate, N/g and |T|/N at y, and what has the sign of slopes (RATE), into force[0:6]; per unit mass.  Returns T.
 
     T = a_g + s R (cos b q'' + sin b q'^2), N = g + a_v + R (sin b q'' - cos b q'^2), b = alpha - q.
     """
@@ -28,7 +28,8 @@ def contact(edge, s, c, n, y, a, a_v, deg, force):
     force[0], force[1] = abs(v), N / g
     force[2] = abs(T) / N if N > 0.0 else math.inf
     force[3], force[4] = v * acc, -dN
-    force[5] = T * (dT * N - T * dN)
+    force[5] = dT * N - T * dN
+    return T
 
 
 @jit
@@ -43,22 +44,24 @@ def note(force, out):
 def watch_rocking(edge, s, c, n, x, a, a_v, deg, parts, force, out):
     """Largest rate and friction and smallest normal force on [0, x].
 
-    Each of `parts` parts is looked at at its ends, and where a derivative says that an extreme lies inside, there.
+    Each of `parts` parts is looked at at its ends, and where a derivative says that an extreme lies inside, there.  Of
+    T/N that is a maximum or a minimum: |T|/N may have one, and T change its sign within the part.
     """
-    contact(edge, s, c, n, 0.0, a, a_v, deg, force)
+    T_lo = contact(edge, s, c, n, 0.0, a, a_v, deg, force)
     note(force, out)
     d0, d1, d2 = force[3], force[4], force[5]
     width = x / parts
     for j in range(1, parts + 1):
         y = width * j if j < parts else x
-        contact(edge, s, c, n, y, a, a_v, deg, force)
+        T_hi = contact(edge, s, c, n, y, a, a_v, deg, force)
         note(force, out)
         e0, e1, e2 = force[3], force[4], force[5]
         for what in range(3):
-            f_lo, f_hi = (d0, e0) if what == 0 else ((d1, e1) if what == 1 else (d2, e2))
-            if f_lo > 0.0 > f_hi:
+            f_lo, f_hi = (d0, e0) if what == RATE else ((d1, e1) if what == NORMAL else (d2, e2))
+            side = 1.0 if what < FRICTION or f_lo > 0.0 else -1.0
+            if side * f_lo > 0.0 > side * f_hi and (what < FRICTION or side * T_lo > 0.0 or side * T_hi > 0.0):
                 extreme(edge, s, c, n, a, a_v, deg, y - width, y, f_lo, f_hi, what, force, out)
-        d0, d1, d2 = e0, e1, e2
+        d0, d1, d2, T_lo = e0, e1, e2, T_hi
 
 
 @jit
@@ -72,8 +75,8 @@ def note_passage(passed, edge, s, c, n, t, a, a_v, deg, parts, watched, force, o
 
 @jit
 def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
-    """Locate a maximum of `what` (of -N for NORMAL) in [lo, hi] by its derivative (Illinois method) and note it."""
-    kept = 0
+    """Locate an extreme of `what` in [lo, hi] by its derivative (Illinois method) and note it."""
+    kept, rises = 0, f_lo > 0.0
     z = lo
     for _ in range(40):
         last, z = z, (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
@@ -81,7 +84,7 @@ def extreme(edge, s, c, n, a, a_v, deg, lo, hi, f_lo, f_hi, what, force, out):
         f = force[3 + what]
         if f == 0.0 or abs(z - last) <= 1e-9 * hi:  # flat here: the error is of second order
             break
-        if f < 0.0:
+        if (f > 0.0) != rises:
             hi, f_hi = z, f
             if kept == 1:
                 f_lo *= 0.5

@@ -101,8 +101,9 @@ def may_peak(v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1, rate, least
     fast = (v * acc > 0.0) & (v_1 * acc_1 < 0.0) & (abs(v) + FARTHEST * abs(acc) > rate)
     low = N - FARTHEST * abs(dN)
     light = (dN < 0.0) & (dN_1 > 0.0) & (low < least)
-    up, up_1 = T * (dT * N - T * dN), T_1 * (dT_1 * N_1 - T_1 * dN_1)
-    rough = (up > 0.0) & (up_1 < 0.0) & (size + FARTHEST * abs(dT) > most * low)
+    slope, slope_1 = dT * N - T * dN, dT_1 * N_1 - T_1 * dN_1  # of T/N, which may change its sign inside
+    bends = (slope * slope_1 < 0.0) & ((T * slope > 0.0) | (T_1 * slope_1 < 0.0))
+    rough = bends & (size + FARTHEST * abs(dT) > most * low)
     return fast | light | rough
 
 
