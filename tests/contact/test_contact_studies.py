@@ -254,3 +254,15 @@ def test_the_slide_of_a_body_that_falls_grows_from_nothing_as_friction_gives_way
     np.testing.assert_allclose(lanes.N_min_over_mg, alone.N_min_over_mg, rtol=1e-6)
     before = alone.slide[0].where(alone.time < alone.t_overturn[0])
     assert float(alone.slide_peak[0]) == pytest.approx(float(np.abs(before).max()), rel=0.05)
+
+
+@pytest.mark.parametrize("histories", [True, False])
+@pytest.mark.parametrize("initial", [{"theta": 0.0}, {"theta": 0.05}, {"slide_rate": 0.3}])
+def test_nothing_pulls_a_body_down_that_the_ground_leaves_from_one_instant_to_the_next(initial, histories):
+    """At 0.1 s a_v jumps from 1.5 g to -1.5 g: from then on it flies."""
+    vertical = {"pulse": {"shape": "square_cycle", "a_p": "1.5*g", "T_p": 0.2}}
+    motion = {"pulse": {"shape": "rectangular", "a_p": 0.01, "T_p": 0.8}, "vertical": vertical}
+    case = {"block": {"h": 1.0, "b": 0.2, "mu": 0.5}, "motion": motion, "initial": initial}
+    found = rockcli.run({"case": case, "save": {"histories": histories}})
+    assert float(found.t_flight) == pytest.approx(0.1, rel=1e-12)
+    assert float(found.N_min_over_mg) == 0.0

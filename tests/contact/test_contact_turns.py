@@ -10,6 +10,7 @@ from scenes import G, block, make_batch, record
 
 from rockcli.kernels.contact import results as to
 from rockcli.motion.reading import read_record
+from rockcli.scene.body.block import make_block
 from rockcli.scene.ground.excitation import Excitation, Suite
 from rockcli.scene.variables import SCALARS
 from rockcli.solvers.contact import solver as contact_solver
@@ -214,3 +215,19 @@ def test_bodies_that_are_done_are_left_alone(name):
     np.testing.assert_array_equal(by_turns[:, to.VERDICT], followed[:, to.VERDICT])
     for column in (to.PEAK, to.T_END, to.SLIDE_PEAK):
         np.testing.assert_allclose(by_turns[:, column], followed[:, column], rtol=1e-6, atol=1e-9)
+
+
+def slips_near_the_end():
+    """Results by turns and by the kernel of contact alone of a squat body that slips three times as it lands."""
+    body = dataclasses.replace(make_block(h=0.45, b=0.72), mu=np.array([1.69]))
+    batch = make_batch(body, record([0.0, 16.6, 0.0], 0.068), eta=0.82, accuracy="standard")
+    level = batch.numerics.tolerances
+    return turns.solved(batch, level).out[0], run(batch, level).out[0]
+
+
+def test_a_foot_that_slips_as_it_lands_presses_as_one_that_slips():
+    """N of a foot that held would be .0098 m g at the first of its slips."""
+    by_turns, followed = slips_near_the_end()
+    assert followed[to.T_SLIP] == pytest.approx(0.08224932549945, rel=1e-9)
+    assert followed[to.N_MIN] == pytest.approx(0.1839598674, rel=1e-8)
+    assert by_turns[to.N_MIN] == pytest.approx(followed[to.N_MIN], rel=1e-9)

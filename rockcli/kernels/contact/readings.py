@@ -276,7 +276,12 @@ def note_flying(par, air, n, x, t, counted, w, out):
 
 @jit
 def note_step(par, how, mode, foot, air, step, t, counted, ahead, w, out):
-    """What happens on the way: extremes of a step, the passage of the equilibrium."""
+    """What happens on the way: extremes of a step, the passage of the equilibrium.
+
+    On a step of no length nothing does: forces there are of a mode that the ground has just ended.
+    """
+    if step.x == 0.0:
+        return
     looks = 1 if ahead.degree == 1 and t < par[at.T_MOTION] else LOOKS
     if mode in (ROCK, SLIDE_ROCK):
         note_on_edge(par, how, mode, foot, step, t, counted, looks, w, out)

@@ -147,12 +147,13 @@ def may_give_way(st, i, v, acc, T, N, dT, dN, v_1, acc_1, T_1, N_1, dT_1, dN_1):
 
 
 @jit
-def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted):
+def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted, hold):
     """What WIDTH lanes have at the start of the steps they try, and what these may hide.
 
     s0, k0, s1, k1: sin q and cos q at the start and the end; area: integral of G over the fraction of the step; a, a1:
     the ground and its change over the step; pitch: the same a second.  lifted: None, or the vertical motion and its
-    slope, gravity over g and its change over the step, and the integral of H.  Returns what `may_give_way` needs.
+    slope, gravity over g and its change over the step, and the integral of H.  hold: where a foot slips from the start
+    on its normal force is another.  Returns what `may_give_way` needs.
     """
     sin_a, cos_a, h2 = load(st, lane.SIN_ALPHA + i), load(st, lane.COS_ALPHA + i), h * h
     shake, weight = load(st, lane.SIDE + i) * load(st, lane.SHAKE + i) * h2, load(st, lane.WEIGHT + i) * h2
@@ -178,6 +179,8 @@ def weigh(st, i, q, v, s0, k0, s1, k1, area, a, a1, pitch, h, d1, d2, d3, d4, d5
     store(st, lane.RATE_MAX + i, select(abs(v) > rate, abs(v), rate))
     size = abs(T)
     more, less = ~(size <= most * N), least * weight > N
+    if hold:
+        less = less & (size <= load(st, lane.MU_HELD + i) * N)
     if some(more | less):  # seldom: a division costs as much as all the rest
         store(st, lane.MU_MOST + i, select(more, select(N > 0.0, size / N, math.inf), most))
         store(st, lane.N_LEAST + i, select(less, N / weight, least))

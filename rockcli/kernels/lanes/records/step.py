@@ -82,7 +82,9 @@ def advance(st, i, values, slopes, watch, hold, heave):
             arc = q + (I2 * d1 + (I3 * (I2 * d2) + late))  # integral of q, as the sums before are of sin q and cos q
             free_0, free_s, free_c = load(st, lane.FREE_0 + i), load(st, lane.FREE_S + i), load(st, lane.FREE_C + i)
             lifted = up, pitch_up, w, w1, fma(free_0, arc, fma(free_c, sines, free_s * (1.0 - cosines)))
-        both = weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted)
+        both = weigh(
+            st, i, q, v, s0, k0, s_end, k_end, area, a, a1, pitch, h, d1, d2, d3, d4, d5, d6, d7, d8, lifted, hold
+        )
         if hold:
             weak = may_give_way(st, i, *both)
     elif hold:
@@ -124,7 +126,7 @@ def advance_linear(st, i, values, slopes, watch, heave):
         s_end, k_end = sin_cos(q + (d1 + (c2 + ((c3 + c4) + ((c5 + c6) + (c7 + c8))))))
         sines = I4 * c3 + (I5 * c4 + (I6 * c5 + (I7 * c6 + (I8 * c7 + c8 / 9.0))))
         area = load(st, lane.FORCING_C + i) * (q + (I2 * d1 + (I3 * c2 + sines)))
-        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8, None)
+        weigh(st, i, q, v, s0, k0, s_end, k_end, area, a, a1 * h, a1, h, d1, d2, d3, d4, d5, d6, d7, d8, None, False)
     return settle(st, i, q, v, x, piece, full, cap, h, h < 0.0, d1, d2, d3, d4, d5, d6, d7, d8)
 
 

@@ -162,7 +162,8 @@ def go(sl, j, par, how, scales, mode, foot, step, ahead, start, w, out):
     t = time_of(sl, j)
     if how.balance:
         sl[slips.WORK + j] += work(par, mode, foot, step, how.order, 1, True, w)
-    note_on_edge(par, how, mode, foot, step, t, True, 1, w, out)
+    if step.x > 0.0:  # a foot that slips at once has other forces
+        note_on_edge(par, how, mode, foot, step, t, True, 1, w, out)
     event = step.event
     foot = moved(mode, foot, step, event == STOPS, event == LANDS, w)
     if mode == SLIDE_ROCK:
