@@ -231,3 +231,9 @@ def test_a_foot_that_slips_as_it_lands_presses_as_one_that_slips():
     assert followed[to.T_SLIP] == pytest.approx(0.08224932549945, rel=1e-9)
     assert followed[to.N_MIN] == pytest.approx(0.1839598674, rel=1e-8)
     assert by_turns[to.N_MIN] == pytest.approx(followed[to.N_MIN], rel=1e-9)
+
+
+def test_a_slip_that_begins_in_the_last_sample_is_counted_once():
+    """Lanes find it, and leave it to the kernel of contact."""
+    by_turns, followed = slips_near_the_end()
+    assert by_turns[to.N_SLIPS] == followed[to.N_SLIPS] == 3.0

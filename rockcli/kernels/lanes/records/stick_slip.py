@@ -210,6 +210,8 @@ def go(sl, j, par, how, scales, mode, foot, step, ahead, start, w, out):
     else:
         becomes = ELSEWHERE
     if becomes in (HOLDING, SLIPPING) and t >= par[at.T_MOTION] - sl[slips.DT + j]:
+        if becomes == SLIPPING and foot.u == 0.0:
+            out[to.N_SLIPS] -= 1  # the kernel of contact counts it, which has it begin
         becomes = ELSEWHERE  # the end of the motion is near
     if becomes == SLIPPING:
         if mode == SLIDE_ROCK and event != LANDS:
