@@ -266,3 +266,23 @@ def test_nothing_pulls_a_body_down_that_the_ground_leaves_from_one_instant_to_th
     found = rockcli.run({"case": case, "save": {"histories": histories}})
     assert float(found.t_flight) == pytest.approx(0.1, rel=1e-12)
     assert float(found.N_min_over_mg) == 0.0
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_largest_slide_of_a_flight_past_upright_is_that_of_the_lower_edge(side):
+    """The slide is that of the left edge until theta is zero, then that of the right one; a parabola and a turning."""
+    h, b, theta, rate, a, g = 1.0, 0.5, -0.3, 2.0, 0.01, 9.81
+    vertical = {"pulse": {"shape": "rectangular", "a_p": -1.5 * g, "T_p": 0.8}}
+    motion = {"pulse": {"shape": "rectangular", "a_p": side * a, "T_p": 0.8}, "vertical": vertical}
+    initial = {"theta": side * theta, "theta_dot": side * rate}
+    found = rockcli.run({"case": {"block": {"h": h, "b": b, "mu": 0.5}, "motion": motion, "initial": initial}})
+
+    t = np.linspace(0.0, (np.arctan(b / h) - theta) / rate, 1_000_001)  # up to its equilibrium
+    turned = theta + rate * t
+    foot = np.where(turned > 0.0, b, -b)
+    edge = foot * np.cos(turned) - h * np.sin(turned)  # from the centre of mass
+    speed = rate * (h * np.cos(theta) - b * np.sin(theta))  # of the centre of mass, as the left edge has none
+    slide = speed * t - 0.5 * a * t**2 + (edge - edge[0]) - (foot - foot[0])
+    assert float(found.t_flight) == 0.0
+    assert float(found.t_overturn) == pytest.approx(t[-1], rel=1e-12)
+    assert float(found.slide_peak) == pytest.approx(np.abs(slide).max(), rel=1e-9)

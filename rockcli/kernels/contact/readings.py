@@ -112,11 +112,17 @@ def work_turning(par, foot, step, d, w):
 @jit
 def extremes(c, n, x, parts, found):
     """Largest value of a polynomial on [0, x] and where, then the smallest and where, into found[0:4]."""
-    lo, P_lo, v_lo = 0.0, c[0], slope(c, n, 0.0)
+    extremes_from(c, n, 0.0, x, parts, found)
+
+
+@jit
+def extremes_from(c, n, start, x, parts, found):
+    """The same on [start, x]."""
+    lo, P_lo, v_lo = start, value(c, n, start), slope(c, n, start)
     found[0] = found[2] = P_lo
-    found[1] = found[3] = 0.0
+    found[1] = found[3] = start
     for j in range(1, parts + 1):
-        hi = x * j / parts if j < parts else x
+        hi = start + (x - start) * j / parts if j < parts else x
         P_hi, v_hi = value(c, n, hi), slope(c, n, hi)
         for inside in range(2):
             y, P = hi, P_hi
@@ -153,9 +159,9 @@ def note_slide(place, out):
 
 
 @jit
-def note_top(found, out):
+def note_top(most, least, out):
     """Raise the largest displacement of the top to the extremes found."""
-    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(found[0]), abs(found[2]))
+    out[to.TOP_PEAK] = max(out[to.TOP_PEAK], abs(most), abs(least))
 
 
 @jit
@@ -195,7 +201,7 @@ def note_rocking(par, mode, foot, step, looks, w, out):
             guard[k] += slip[k - 1] / k
     guard[0] += foot.place
     extremes(guard, m - 1, x, looks, found)
-    note_top(found, out)
+    note_top(found[0], found[2], out)
 
 
 @jit
@@ -246,9 +252,29 @@ def flown_path(par, air, n, up, lower, w):
 
 
 @jit
+def flown_extremes(par, air, n, up, x, w):
+    """Largest and smallest displacement on [0, x] in flight of what is `up` above the centre of mass on the lower side.
+
+    That is another side from where theta passes zero.
+    """
+    path, found, theta = w[row.PATH], w[row.FOUND], air.theta
+    passes = -theta / air.turn if air.turn != 0.0 else 0.0
+    side = 1.0 if theta > 0.0 or (theta == 0.0 and air.turn >= 0.0) else -1.0
+    flown_path(par, air, n, up, side, w)
+    if not 0.0 < passes < x:
+        extremes(path, n, x, LOOKS, found)
+        return found[0], found[2]
+    extremes(path, n, passes, LOOKS, found)
+    most, least = found[0], found[2]
+    flown_path(par, air, n, up, -side, w)
+    extremes_from(path, n, passes, x, LOOKS, found)
+    return max(most, found[0]), min(least, found[2])
+
+
+@jit
 def note_flying(par, air, n, x, t, counted, w, out):
     """Extremes of a step in flight: rotation, its rate, the slide of the lower edge, the top."""
-    path, found, theta, turn = w[row.PATH], w[row.FOUND], air.theta, air.turn
+    theta, turn = air.theta, air.turn
     out[to.N_MIN] = min(out[to.N_MIN], 0.0)
     end = abs(theta + turn * x)
     tilted = 1.0 if theta + turn * x > 0.0 else -1.0
@@ -256,22 +282,17 @@ def note_flying(par, air, n, x, t, counted, w, out):
     if end >= limit and tilted * theta < limit:
         passed = (limit - tilted * theta) / abs(turn)
         out[to.T_OVERTURN], out[to.N_STANDING] = t + passed, out[to.N_MIN]
-        flown_path(par, air, n, -par[at.H], tilted, w)
-        extremes(path, n, passed, LOOKS, found)
-        out[to.SLIDE_STANDING] = max(abs(out[to.SLIDE_PEAK]), abs(found[0]), abs(found[2]))
+        most, least = flown_extremes(par, air, n, -par[at.H], passed, w)
+        out[to.SLIDE_STANDING] = max(abs(out[to.SLIDE_PEAK]), abs(most), abs(least))
     if not counted:
         return
     note_angle(end, tilted, t + x, 0.0, out)
     out[to.RATE_PEAK] = max(out[to.RATE_PEAK], abs(turn))
-    lower = 1.0 if theta + 0.5 * turn * x >= 0.0 else -1.0
-    for part in range(2):
-        flown_path(par, air, n, -par[at.H] if part == 0 else par[at.TOP] - par[at.H], lower, w)
-        extremes(path, n, x, LOOKS, found)
-        if part == 0:
-            note_slide(found[0], out)
-            note_slide(found[2], out)
-        else:
-            note_top(found, out)
+    most, least = flown_extremes(par, air, n, -par[at.H], x, w)
+    note_slide(most, out)
+    note_slide(least, out)
+    most, least = flown_extremes(par, air, n, par[at.TOP] - par[at.H], x, w)
+    note_top(most, least, out)
 
 
 @jit
