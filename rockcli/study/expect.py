@@ -24,7 +24,7 @@ from rockcli.scene.variables import (
 )
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.expressions import ExpressionError, number_of, parse
-from rockcli.study.document.tree import Keys, Map, Source, nearest, place
+from rockcli.study.document.tree import Keys, Map, Source, meant, nearest, place
 from rockcli.study.document.values import describe
 from rockcli.study.study import MATCH, Axis, Expect, Over
 
@@ -159,7 +159,9 @@ def match(
         if coordinate is None:
             shown = ", ".join(f"{v:.10g}" if axis.numeric else v for v in axis.values[:12])
             more = ", ..." if axis.size > 12 else ""
-            message = f"is {describe(value)}, which is no point of that axis{why}; it has {shown}{more}"
+            close = meant(str(value), map(str, axis.values)) if not axis.numeric else None
+            hint = f"; did you mean {close!r}?" if close is not None else ""
+            message = f"is {describe(value)}, which is no point of that axis{why}; it has {shown}{more}{hint}"
             raise source.error(study, (*keys, said), message)
         found[axis.name] = coordinate
     return found

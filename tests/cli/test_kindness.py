@@ -244,3 +244,21 @@ def test_help_is_also_asked_for_by_its_letter(rock, capsys, words):
     by_letter = capsys.readouterr().out
     assert rock(*words, "--help") == 0
     assert by_letter == capsys.readouterr().out
+
+
+def test_names_of_a_table_with_other_zeros_are_known(rock, tmp_path, capsys):
+    """CAB-3 is CAB-03, in a study as in --select, and CAB-1 no CAB-10."""
+    names = [f"CAB-{i:02d}" for i in (10, 1, 2, 3)]
+    (tmp_path / "list.csv").write_text(
+        "name,block.height\n" + "".join(f"{name},{2 + i}\n" for i, name in enumerate(names))
+    )
+    base = "name: x\ncase: {block: {height: 2, width: 0.5}, initial: {theta: 0.05}}\nvary: {case: list.csv}\n"
+    clause = "expect: [{quantity: outcome, at: {case: CAB-3}, is: rocking}]\n"
+    for said, meant in ((clause, "CAB-03"), ("compare_to: {case: cab-1}\n", "CAB-01")):
+        (tmp_path / "x.yaml").write_text(base + said)
+        assert rock("check", "x.yaml") == 2
+        assert capsys.readouterr().err.rstrip().endswith(f"; did you mean {meant!r}?")
+    (tmp_path / "x.yaml").write_text(base)
+    assert rock("run", "x.yaml", "--no-plots", "--quiet") == 0
+    assert rock("table", "results/x/x.nc", "--select", "case=CAB-1") == 2
+    assert capsys.readouterr().err.rstrip().endswith("; did you mean 'CAB-01'?")

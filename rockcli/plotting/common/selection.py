@@ -13,6 +13,7 @@ from rockcli.errors import StudyError
 from rockcli.plotting.common.case_settings import DATASET, resolved_case
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric
 from rockcli.plotting.common.labels import coordinate_label, path_of, shown_unit
+from rockcli.scene.likeness import as_read
 from rockcli.scene.variables import IMPACT, MOTION, TIME
 
 if TYPE_CHECKING:
@@ -120,10 +121,11 @@ def choices(dataset: xarray.Dataset, axis: str, most: int) -> list[str]:
 
 
 def hint(said: str, labels: Sequence[str]) -> str:
-    """Which label is meant, for the end of an error: one that contains what is said, or is spelled much like it."""
+    """Which label is meant, for the end of an error: one read alike, that contains what is said, or is spelled so."""
     lowered = {label.lower(): label for label in reversed(labels)}
     word = said[:_LONGEST].lower()
-    close = [low for low in reversed(lowered) if word in low] or get_close_matches(word, lowered, n=1)
+    close = [low for low in reversed(lowered) if as_read(low) == as_read(word)]
+    close += [low for low in reversed(lowered) if word in low] or get_close_matches(word, lowered, n=1)
     return f"; did you mean {lowered[close[0]]!r}?" if close else ""
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rockcli.errors import RecordError, StudyError
+from rockcli.scene.likeness import as_read
 from rockcli.study.inputs import Inputs
 
 Where = int | str | None
@@ -23,6 +24,9 @@ LONGEST = 2000
 
 MOST_NAMES = 30
 """Known names listed in a message."""
+
+_COMPARED = 80
+"""Characters of a key that are compared with known ones."""
 
 
 class Map(dict[str, Any]):
@@ -149,10 +153,14 @@ def put_at(tree: Any, keys: tuple[str, ...], value: Any) -> Any:
 def meant(key: str, known: Iterable[str]) -> str | None:
     """The known key nearest to what is written, or that begins with it and `_`, as T_p of T; None if none is near."""
     lowered = {name.lower(): name for name in reversed(list(known))}
+    word = as_read(key[:_COMPARED])
+    alike = [name for name in lowered if as_read(name[:_COMPARED]) == word] if len(key) <= _COMPARED else []
+    if alike:
+        return lowered[alike[-1]]
     longer = [name for name in lowered if name.startswith(f"{key.lower()}_")]
     if longer and key.lower() not in lowered:
         return lowered[longer[-1]]
-    close = get_close_matches(key[:80].lower(), lowered, n=1, cutoff=0.55)
+    close = get_close_matches(key[:_COMPARED].lower(), lowered, n=1, cutoff=0.55)
     return lowered[close[0]] if close else None
 
 
