@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 from swept import assert_same, counting
 
 from rockcli.cli.words import report_text
@@ -156,6 +157,17 @@ def test_an_island_between_the_coarse_pixels_is_missed(monkeypatch: pytest.Monke
     wrong = refined.values("outcome") != full.values("outcome")
     assert wrong.sum() == (pitch - 1) ** 2
     assert (full.values("outcome")[wrong] == 3).all()
+
+
+def test_the_limit_is_of_the_cases_that_were_drawn_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With one wrong case more than it says none would be met less often than one time in twenty."""
+    monkeypatch.setattr("rockcli.solvers.event.solver.solve", made_up)
+    solved = solve(open_study(MAP)).fields["solved"]
+    drawn, wrong = solved.attrs["drawn"], solved.attrs["drawn_wrong"]
+    most = int(solved.attrs["wrong_at_most"] * solved.values.size) + 1
+    before = int((solved.values == 0).sum()) + drawn
+    assert (drawn > 100, wrong) == (True, 0)
+    assert 0.049 < stats.hypergeom(before, most, drawn).pmf(0) < 0.05
 
 
 def test_what_is_drawn_at_random_tells_how_much_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -109,7 +109,8 @@ def _solved(results: Results, axes: tuple[str, ...], shape: tuple[int, ...]) -> 
     told: dict[str, Any] = {}
     if drawn:
         limit = betaincinv(wrong + 1, drawn - wrong, CONFIDENCE) if wrong < drawn else 1.0
-        told = {"drawn": drawn, "drawn_wrong": wrong, "wrong_at_most": float(limit * (1.0 - results.solved.mean()))}
+        unsolved = 1.0 - results.solved.mean() + drawn / results.solved.size  # when they were drawn
+        told = {"drawn": drawn, "drawn_wrong": wrong, "wrong_at_most": float(limit * unsolved)}
     return variable_field("solved", axes, results.solved.reshape(shape), **told)
 
 
