@@ -190,6 +190,8 @@ class TestFiles:
             ("x_mm;z_mm", "says mm, .* give `pixel: 0.001`"),
             ("x (in), z (in)", "says in, .* give `pixel: 0.0254`"),
             ("z,x", "names z, x; an outline is x, z"),
+            ("# x [mm], z [mm]", "says mm, "),
+            ("# units: cm", "says cm, "),
         ],
     )
     def test_a_head_that_says_otherwise_is_refused(self, head, words, tmp_path):

@@ -30,6 +30,8 @@ SAID_BY_OUTLINE = ("R", "h", "b", "height", "width", "alpha", "tan_alpha", "slen
 _HEAD = re.compile(r"([xyz])[\s_]*[\[(]?\s*([a-z]*)\s*[\])]?", re.I)
 """The name of a column of an outline, with its unit if it says one."""
 
+_UNITS = re.compile(r"units?\s*[:=]\s*([a-z]+)", re.I)
+
 
 def has_outline(block: BlockPart) -> bool:
     """Whether a block is given by polygons, or by the surface of which its outline is the projection."""
@@ -170,8 +172,10 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
     points: list[list[float]] = []
     heads = 0
     for number, line in enumerate(lines, start=1):
-        text = line.split("#", 1)[0].strip()
+        text, _, comment = map(str.strip, line.partition("#"))
         if not text:
+            if not points:
+                _check_head(numbers, comment.replace(";", ",").split(","), path, number)
             continue
         cells = [cell.strip() for cell in text.replace(";", ",").split(",")]
         try:
@@ -191,13 +195,14 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
 
 
 def _check_head(numbers: Numbers, cells: Sequence[str], path: Path, line: int) -> None:
-    """Refuse a line of names that says other columns than x, z, or another unit than `pixel`."""
+    """Refuse names of columns, or `units: cm`, that say other columns than x, z, or another unit than `pixel`."""
     named = [match for cell in cells if (match := _HEAD.fullmatch(cell.strip('" ')))]
     names = [match[1].lower() for match in named]
     if names in (["z", "x"], ["y", "x"]):
         raise StudyError(f"its head names {', '.join(names)}; an outline is x, z", file=path, line=line)
     metres = _or_one(numbers.positive((*BLOCK, "pixel")))
-    for said in (match[2].lower() for match in named):
+    units = [match[1] for cell in cells if (match := _UNITS.fullmatch(cell))]
+    for said in map(str.lower, [*(match[2] for match in named), *units]):
         unit = UNITS["inch" if said == "in" else said] if said in (*LENGTHS, "in") else None
         if unit is not None and not np.allclose(metres, unit, rtol=1e-9):
             do = "leave `pixel` out" if unit == 1.0 else f"give `pixel: {unit:g}`"
