@@ -132,6 +132,24 @@ def test_words_of_a_body_as_wide_as_its_panel_stay_on_the_page(b, width, tmp_pat
     check_words(figure)
 
 
+@pytest.mark.parametrize(
+    "bodies",
+    [
+        [{"h": 9.571, "b": 4.3177}, {"h": 0.104, "b": 0.0688}],
+        [{"h": 1.347, "b": 1.1446}, {"h": 0.846, "b": [0.0802, 0.4896]}],
+    ],
+)
+def test_numbers_of_two_bodies_in_a_column_leave_their_axis_its_name(bodies, tmp_path):
+    """The layout of panels with one scale may end between two sets of numbers, of which the wider ones are drawn."""
+    names = {f"object number {i}": body for i, body in enumerate(bodies)}
+    case = {"block": {"h": 1.0, "b": 0.2}, "initial": {"theta": 0.001}}
+    study = {"name": "two", "title": "A title of a study with bodies", "case": case, "vary": {"block": names}}
+    data = rockcli.run(study | {"save": {"histories": False}})
+    figure = rockcli.plot(data, "body", tmp_path / "body.png", width=90)
+    figure.draw_without_rendering()
+    check_words(figure)
+
+
 @pytest.mark.parametrize("width", [90, 180])
 def test_long_names_in_a_legend_stay_on_the_page(width):
     said = "shelf of the archive with the files of 1950 to 1990, unloaded and not tied to the wall of the basement"

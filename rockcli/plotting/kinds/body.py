@@ -49,6 +49,9 @@ _BESIDE = 0.04
 _MORE_LINES = 0.35
 """What alpha and R on lines of their own take [in]."""
 
+_ROOM = 0.08
+"""Room around narrow panels, twice that of others [in]."""
+
 _OF_BODY = ("outline_x", "outline_z", "R", "alpha", "R_left", "R_right", "alpha_left", "alpha_right")
 
 
@@ -86,6 +89,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
         high = min(_ROW, _AROUND[1] + slimmest * (width / columns - _AROUND[0])) + _MORE_LINES * narrow
         figure.set_figheight(0.7 + rows * high)
     headline(figure, title_of(dataset), selection_note(len(shown), len(bodies), "bodies"))
+    if narrow:  # the layout may end with narrower numbers on an axis than are drawn
+        cast("ConstrainedLayoutEngine", figure.get_layout_engine()).set(w_pad=_ROOM, h_pad=_ROOM)
     return figure
 
 
