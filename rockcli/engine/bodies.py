@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,7 +13,7 @@ from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.models import DEFORMABLE, MODELS
-from rockcli.study.study import Study
+from rockcli.study.study import Axis, Study
 
 _POINTS = 3
 """Points of an axis that are named of a body that stands at several."""
@@ -38,6 +39,7 @@ class Bodies:
         self._study = study
         self._most = most
         self._times = 1
+        self._of_motion = {axis.name for axis in study.axes if _is_of_motion(axis, study)}
         self._deforms = self._vertical = False
         self._found: dict[tuple[float, ...], tuple[dict[str, float | str], list[NDArray[np.int64]]]] = {}
 
@@ -64,8 +66,7 @@ class Bodies:
 
         Those of a large study in their own order would be of its first bodies only.
         """
-        moved = [axis.path.startswith("motion") for axis in self._study.axes]
-        sizes = [1 if motion else axis.size for axis, motion in zip(self._study.axes, moved, strict=True)]
+        sizes = [1 if axis.name in self._of_motion else axis.size for axis in self._study.axes]
         count = min(int(np.prod(sizes, dtype=np.int64)), self._most)
         places = np.unravel_index(np.arange(count), sizes)
         self._times = self._study.size // int(np.prod(sizes, dtype=np.int64))
@@ -99,13 +100,23 @@ class Bodies:
         named = []
         for axis, at in zip(self._study.axes, places, strict=False):
             points = np.unique(at).tolist()
-            if len(points) < axis.size and not axis.path.startswith("motion"):
+            if len(points) < axis.size and axis.name not in self._of_motion:
                 values = [axis.values[i] for i in points[:_POINTS]]
                 words = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
                 words += [f"{len(points) - _POINTS} more"] if len(points) > _POINTS else []
                 *others, last = words
                 named.append(f"{axis.name}={', '.join(others)}{' and ' if others else ''}{last}")
         return ", ".join(named)
+
+
+def _is_of_motion(axis: Axis, study: Study) -> bool:
+    """Whether an axis leaves the body as it is: one of the motion, or of a symbol that only the motion speaks of."""
+    if not axis.path.startswith("let."):
+        return axis.path.startswith("motion")
+    said = [study.resolved["case"], *(study.resolved.get(key) or {} for key in ("let", "vary", "uncertain"))]
+    speak = [value for part in said for key, value in part.items() if not key.startswith("motion") and key != axis.path]
+    speak += [each.values.tolist() for one in study.axes for each in one.given if not each.path.startswith("motion")]
+    return re.search(rf"\b{axis.path.removeprefix('let.')}\b", str(speak)) is None
 
 
 def _numbers(batch: Batch) -> dict[str, NDArray[np.float64]]:

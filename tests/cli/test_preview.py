@@ -11,7 +11,9 @@ from typing import Any
 import pytest
 
 import rockcli
+from rockcli.engine.preview import preview
 from rockcli.plotting.common.case_law import model_of
+from rockcli.study.open import open_study
 
 Rock = Callable[..., int]
 
@@ -152,3 +154,26 @@ def test_what_model_auto_will_take_is_what_it_takes(
         assert said.startswith(used)
         law = model_of(found)  # whose separatrix the figure `phase` draws
         assert (law is None) if used == "flexible" else (law.name == used)
+
+
+@pytest.mark.parametrize("looked_at", [20_000, 40])
+@pytest.mark.parametrize(
+    ("let", "path", "pga", "R", "cases"),
+    [
+        ({}, "motion.record.pga", 1.0, 1.0, [50, 50]),
+        ({"k": 1}, "let.k", "k*0.3*g", 1.0, [50, 50]),
+        ({"k": 1, "q": "2*k"}, "let.k", "k*0.3*g", "q", [2]),
+    ],
+)
+def test_bodies_are_counted_by_cases_whatever_varies_their_motion(
+    looked_at: int, let: Any, path: str, pga: Any, R: Any, cases: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a study too large to be looked at whole too, a symbol that only the motion speaks of makes no bodies."""
+    monkeypatch.setattr("rockcli.engine.preview.LOOKED_AT", looked_at)
+    record = {"file": "synthetic_rock_m65.AT2", "pga": pga}
+    case = {"block": {"R": R, "tan_alpha": 0.2}, "motion": {"record": record}}
+    vary = {path: {"from": 0.5, "to": 3, "n": 50}, "block.tan_alpha" if R == 1.0 else "block.top": [0.1, 0.2]}
+    found = preview(open_study({"name": "x", "let": let, "case": case, "vary": vary})).bodies
+    assert [row["cases"] for row in found][: len(cases)] == cases
+    assert len(found) == (2 if R == 1.0 else min(50, looked_at // 2))
+    assert all(("k=" in row["body"]) is (R == "q") for row in found)
