@@ -292,6 +292,21 @@ def test_bodies_with_two_edges_lift_about_the_one_they_are_pushed_over(b: list[f
     assert marks[f"$-{right}"] == pytest.approx(to_right - 0.5)
 
 
+def test_maps_of_several_datasets_have_uplift_of_their_own_edges_and_damping() -> None:
+    """Beside a block that lifts at .2 g one whose left edge, and one whose FEMA-356, asks for .3 g."""
+    pulse = {"shape": "half_sine", "a_p": 2.0, "T_p": 1.0}
+    over = {"motion.pulse.a_p": {"from": 0.5, "to": 5.0, "n": 19}, "motion.pulse.T_p": {"from": 0.5, "to": 1.5, "n": 5}}
+    case = {"block": {"h": 1.0, "b": 0.2}, "motion": {"pulse": pulse}}
+    two, heavy = {"block": {"h": 1.0, "b": [0.3, 0.2]}}, {"damping": {"scheme": "fema356", "W_over_Mg": 1.5}}
+    plain, edges, fema = (
+        rockcli.run({"name": f"n{len(more)}{i}", "case": case | more, "vary": over, "save": {"histories": False}})
+        for i, more in enumerate(({}, two, heavy))
+    )
+    for sets, levels in (([plain, edges], [0.2, 0.3]), ([fema, plain], [0.3, 0.2]), ([edges, fema], [0.3, 0.3])):
+        lines = [line for axes in rockcli.plot(sets, "map").axes for line in axes.lines if line.get_gid() == "uplift"]
+        assert [line.get_ydata()[0] for line in lines] == pytest.approx(levels)
+
+
 VERTICAL = {"pulse": {"shape": "sine", "a_p": 0.5 * 9.81, "T_p": 0.3}}
 
 

@@ -10,7 +10,7 @@ from matplotlib.patheffects import withStroke
 
 from rockcli.plotting.common.case_settings import DATASET, case_settings
 from rockcli.plotting.common.cases import axes_of
-from rockcli.plotting.common.labels import path_of
+from rockcli.plotting.common.labels import path_of, two_edged
 from rockcli.scene.body.lower_outline import lower_hull
 from rockcli.scene.laws.overturning import rectangular_without_impact, sine_one_impact, sine_without_impact
 
@@ -100,7 +100,7 @@ def _shape(dataset: xarray.Dataset, found: tuple[str, str]) -> str:
     for axis, where in path.items():
         if axis not in found and axis != DATASET:  # the settings are those of its own case
             settings[where] = str(dataset[axis].values)
-    if "motion.pulse.shape" not in settings or "alpha_left" in dataset.variables or rolls(dataset):
+    if "motion.pulse.shape" not in settings or two_edged(dataset) or rolls(dataset):
         return ""
     for where, value in settings.items():
         if value not in _AS_NEEDED.get(where, (value,) if where.startswith(_SAYS_NOTHING) or where == "g" else ()):

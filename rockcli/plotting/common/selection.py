@@ -12,7 +12,7 @@ import numpy as np
 from rockcli.errors import StudyError
 from rockcli.plotting.common.case_settings import DATASET, resolved_case
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric
-from rockcli.plotting.common.labels import coordinate_label, path_of, shown_unit
+from rockcli.plotting.common.labels import coordinate_label, lifts_from, path_of, shown_unit
 from rockcli.scene.likeness import as_read
 from rockcli.scene.variables import IMPACT, MOTION, TIME
 
@@ -167,6 +167,7 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
     Raises:
         StudyError: their axes differ.
     """
+    datasets = _all_of_two_edges(datasets)
     first = datasets[0]
     for other, name in zip(datasets[1:], names[1:], strict=True):
         _check_alike(first, other, name)
@@ -196,6 +197,21 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
     attrs = {"axes": " ".join([DATASET, *axes]), "title": " / ".join(filter(None, titles))}
     attrs["cases"] = json.dumps(dict(zip(labels, map(resolved_case, datasets), strict=True)))
     return first.__class__(items, coords, attrs)
+
+
+def _all_of_two_edges(datasets: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
+    """The datasets, all with what some have of two edges, and of where FEMA-356 has bodies lift."""
+    some = {str(name) for each in datasets for name in each.coords}
+    found = []
+    for each in datasets:
+        own = [name for name in ("R", "alpha", "p", "eta") if name in each.variables]
+        known = {f"{name}_{side}": each[name] for name in own for side in ("left", "right")}
+        known |= {"pga_uplift": lifts_from(each)} if "alpha" in own else {}
+        lacks = {name: value for name, value in known.items() if name in some - set(map(str, each.variables))}
+        if "uplift_factor" in some and "uplift_factor" not in each.variables:
+            lacks["uplift_factor"] = 1.0  # type: ignore[assignment]
+        found.append(each.assign_coords(lacks) if lacks else each)
+    return found
 
 
 def _first_alike(datasets: Sequence[xarray.Dataset], i: int) -> int:
