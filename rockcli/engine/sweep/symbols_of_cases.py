@@ -57,6 +57,7 @@ def describe(study: Study, built: list[tuple[Index, Batch]]) -> Description:
         values = {name: of[:, LEFT] if symmetric else block.of_weak_edge(of) for name, of in both.items()}
         if edges:
             values |= {f"{name}_{side}": of[:, at] for name, of in both.items() for at, side in SIDES}
+        if edges and not symmetric:
             values["pga_uplift"] = lifts_at(batch)
         values |= {"g": batch.g, "uplift_factor": factor_of(batch)}
         if isinstance(motion, Pulses):
