@@ -286,3 +286,15 @@ def test_the_largest_slide_of_a_flight_past_upright_is_that_of_the_lower_edge(si
     assert float(found.t_flight) == 0.0
     assert float(found.t_overturn) == pytest.approx(t[-1], rel=1e-12)
     assert float(found.slide_peak) == pytest.approx(np.abs(slide).max(), rel=1e-9)
+
+
+def test_a_slide_that_turns_round_just_after_a_bounce_is_among_the_largest():
+    """A corner that strikes and does not slip bounces: its slide grows from a rate of zero, and gets less again at once."""
+    block = {"R": 1.8, "tan_alpha": 1.07, "mu": 1.5, "e_n": 0.5}
+    vertical = {"pulse": {"shape": "sine", "a_p": "1.6*g", "T_p": 0.49}}
+    pulse = {"shape": "cosine", "a_p_over_g_tan_alpha": 2.0, "omega_p_over_p": 1.58}
+    case = {"block": block, "motion": {"pulse": pulse, "vertical": vertical}}
+    found = rockcli.run({"case": case, "save": {"dt_out": 1e-4}})
+    assert int(found.outcome) == 3
+    told = np.abs(found.slide.where(found.time <= found.t_overturn)).max()
+    assert float(found.slide_peak) == pytest.approx(float(told), rel=1e-8)

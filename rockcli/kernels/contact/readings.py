@@ -15,7 +15,7 @@ from rockcli.kernels.contact.state import edge_under
 from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid.law import potential
 from rockcli.kernels.rigid.roots import last_passage, lowest_point, turning_point
-from rockcli.kernels.rigid.series import bound, slope, value
+from rockcli.kernels.rigid.series import bend, bound, slope, value
 
 LOOKS = 8
 """Parts of a step in which extremes are looked for."""
@@ -118,27 +118,32 @@ def extremes(c, n, x, parts, found):
 @jit
 def extremes_from(c, n, start, x, parts, found):
     """The same on [start, x]."""
-    lo, P_lo, v_lo = start, value(c, n, start), slope(c, n, start)
-    found[0] = found[2] = P_lo
+    lo, v_lo, b_lo = start, slope(c, n, start), bend(c, n, start)
+    found[0] = found[2] = value(c, n, start)
     found[1] = found[3] = start
     for j in range(1, parts + 1):
-        hi = start + (x - start) * j / parts if j < parts else x
-        P_hi, v_hi = value(c, n, hi), slope(c, n, hi)
-        for inside in range(2):
-            y, P = hi, P_hi
-            if inside == 0:
-                if v_lo > 0.0 > v_hi:
-                    y = turning_point(c, n, lo, hi)
-                elif v_lo < 0.0 < v_hi:
-                    y = lowest_point(c, n, lo, hi)
-                else:
-                    continue
-                P = value(c, n, y)
-            if found[0] < P:
-                found[0], found[1] = P, y
-            if found[2] > P:
-                found[2], found[3] = P, y
-        lo, v_lo = hi, v_hi
+        end = start + (x - start) * j / parts if j < parts else x
+        b_hi = bend(c, n, end)
+        # where the bend changes its sign the slope has an extreme, which the ends do not show
+        middle = lo + (end - lo) * b_lo / (b_lo - b_hi) if b_lo * b_hi < 0.0 else end
+        for hi in (middle, end):
+            P_hi, v_hi = value(c, n, hi), slope(c, n, hi)
+            for inside in range(2):
+                y, P = hi, P_hi
+                if inside == 0:
+                    if v_lo > 0.0 > v_hi:
+                        y = turning_point(c, n, lo, hi)
+                    elif v_lo < 0.0 < v_hi:
+                        y = lowest_point(c, n, lo, hi)
+                    else:
+                        continue
+                    P = value(c, n, y)
+                if found[0] < P:
+                    found[0], found[1] = P, y
+                if found[2] > P:
+                    found[2], found[3] = P, y
+            lo, v_lo = hi, v_hi
+        b_lo = b_hi
 
 
 @jit
