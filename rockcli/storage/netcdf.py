@@ -51,7 +51,7 @@ class _Rest:
         self.variable, self.values = variable, values
         self.blocks = list(blocks(values.shape, _pitch(variable), most))[::-1]
 
-    def begins_with(self, n: int) -> bool:
+    def next_is_known(self, n: int) -> bool:
         """Whether the next block is among the first n values."""
         last = [part.stop - 1 for part in self.blocks[-1]] if self.blocks else []
         return bool(last) and int(np.ravel_multi_index(last, self.values.shape)) < n
@@ -100,11 +100,11 @@ class Writer:
         except (RuntimeError, OSError, OutputError):
             self._forget()
 
-    def know(self, n: int) -> None:
+    def write_known(self, n: int) -> None:
         """Write a piece of each variable that was begun, where it is among their first n values, known by now."""
         try:
             for rest in self._rests.values():
-                if rest.begins_with(n):
+                if rest.next_is_known(n):
                     rest.write_next()
         except (RuntimeError, OSError):
             self._forget()

@@ -40,4 +40,4 @@ class Ahead:
             heappush(self._later, (first, stop))
         while self._later and self._later[0][0] <= self._first:
             self._first = max(self._first, heappop(self._later)[1])
-        self._file.know(self._first)
+        self._file.write_known(self._first)
