@@ -475,7 +475,7 @@ _ROWS: tuple[Variable, ...] = (
         "the body overturns",
     ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
-    Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/study.md)"),
+    Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/trade.md)"),
     Variable("reason", "reason", CASE, "1", "index into `reasons`: the message about this case"),
     Variable(
         "fema_delta",
