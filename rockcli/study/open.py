@@ -62,6 +62,7 @@ from rockcli.study.unused import (
     rules_without_friction,
     strengths_left_out,
     unused_symbols,
+    unused_tolerances,
 )
 
 HISTORIES_UP_TO = 100
@@ -150,6 +151,7 @@ def open_study(
         warnings=(
             *overridden_by_options(said, tree, settings),
             *_ineffective(tree, part, base, variations, overrides),
+            *unused_tolerances(where, tree, expect),
             *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *doubted_limits(part.over, over, found.unheld),

@@ -19,8 +19,9 @@ from rockcli.study.document.overlay import (
     overlaid,
     remaining,
 )
-from rockcli.study.document.tree import Map, value_at
-from rockcli.study.schema import SolverPart
+from rockcli.study.document.tree import Map, Source, dotted, place, value_at
+from rockcli.study.schema import ExpectPart, SolverPart
+from rockcli.study.study import Expect
 
 _LABELS = 5
 """Points of an axis that a warning names."""
@@ -63,6 +64,19 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
                 waiting.append(name)
             used.add(name)
     return [f"let.{name} is used nowhere" for name in varied if name not in used]
+
+
+def unused_tolerances(source: Source, study: Map, clauses: Iterable[Expect]) -> list[str]:
+    """A sentence per tolerance of a clause of `expect` that has no `value`, unless it is the default."""
+    said = []
+    for i, clause in enumerate(clauses):
+        for key in ("rtol", "atol"):
+            given = clause.check != "value" and getattr(clause, key) != ExpectPart.model_fields[key].default
+            if given:
+                where = source.words(place(study, ("expect", i)))
+                at = f" ({where})" if where else ""
+                said.append(f"{dotted(('expect', i, key))} has no effect{at}: it is for `value`, not `{clause.check}`")
+    return said
 
 
 def rules_without_friction(study: Map, variations: Iterable[Variation], rules: Iterable[str]) -> list[str]:

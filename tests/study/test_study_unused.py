@@ -312,3 +312,16 @@ def test_what_options_drop_of_a_record_is_told(sets, said):
     study = {"name": "x", "case": {"block": BLOCK, "motion": {"record": record}}}
     told = open_study(study, overrides=[(f"case.{path}", value) for path, value in sets]).warnings
     assert [said in each for each in told] == [True] * bool(said)
+
+
+def test_tolerances_of_clauses_that_have_no_value_are_said():
+    clause = {"quantity": "theta_peak", "rtol": 0.1}
+    study = {"name": "x", "case": {"block": BLOCK, "motion": {"pulse": PULSE}}}
+    for kind, told in (({"min": 0.5}, "min"), ({"max": 0.5}, "max"), ({"value": 0.5}, None)):
+        opened = open_study(study | {"expect": [clause | kind]})
+        said = [each for each in opened.warnings if each.startswith("expect[0].rtol has no effect")]
+        assert said == ([f"expect[0].rtol has no effect: it is for `value`, not `{told}`"] if told else [])
+        again = open_study(yaml.safe_load(opened.resolved_yaml))
+        assert [each for each in again.warnings if each.startswith("expect[0]")] == said
+    (said,) = open_study(study | {"expect": [{"quantity": "theta_peak", "min": 0.5, "rtol": 1e-6, "atol": 1}]}).warnings
+    assert said.startswith("expect[0].atol")
