@@ -23,6 +23,7 @@ from rockcli.scene.variables import (
     VARIABLES,
 )
 from rockcli.study.document.complaints import Complaints
+from rockcli.study.document.dimensions import check_of_unit, stated_number
 from rockcli.study.document.expressions import ExpressionError, number_of, parse
 from rockcli.study.document.tree import Keys, Map, Source, meant, nearest, place
 from rockcli.study.document.values import describe
@@ -253,9 +254,11 @@ def _clause(
 
 
 def _target(source: Source, study: Map, keys: Keys, quantity: str, value: Any, evaluate: Evaluate) -> float:
-    why = ""
+    why, of = "", VARIABLES.get(quantity)
     try:
         number = evaluate(value) if isinstance(value, str) and _is_expression(value) else _number(value)
+        if isinstance(value, str) and number is not None and of is not None:
+            check_of_unit(value, of.unit, study.get("let"))
     except ExpressionError as error:
         number, why = None, f" ({error})"
     if number is None or math.isnan(number):
@@ -280,6 +283,8 @@ def _meanings(source: Source, study: Map, keys: Keys, quantity: str, value: Any)
 
 def _positive(source: Source, study: Map, keys: Keys, value: Any) -> float:
     number = _number(value)
+    if isinstance(value, str) and number is not None:
+        number = stated_number(source, study, keys, value)
     if number is None or not 0.0 <= number < math.inf:
         raise source.error(study, keys, f"is {describe(value)}; expected a number that is not negative")
     return number

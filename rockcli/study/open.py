@@ -40,7 +40,8 @@ from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_study, check_with_base
 from rockcli.study.document.complaints import Complaints
-from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, stated_number
+from rockcli.study.document.dimensions import stated_number
+from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, settings_of, without_effect
 from rockcli.study.document.shorthands import expanded

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.rules import RULES
-from rockcli.study.document.expressions import says_its_unit, stated_number
+from rockcli.study.document.dimensions import stated_number
+from rockcli.study.document.expressions import says_its_unit
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import StudyPart
 

@@ -247,7 +247,7 @@ def test_a_given_floor_spectrum_in_g_is_in_that_of_the_case() -> None:
         ({"periods": [0.1] * 7}, "must ascend"),
         ({"S_a": [0.0] * 7}, "above zero"),
         ({"S_v": 1.0}, "S_v"),
-        ({"S_a": ["0.4*m"] * 7, "units": "g"}, "leave one out"),
+        ({"S_a": ["0.4*m/s**2"] * 7, "units": "g"}, "leave one out"),
     ],
 )
 def test_wrong_floor_spectra(changes: dict[str, object], words: str) -> None:

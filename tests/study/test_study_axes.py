@@ -123,12 +123,12 @@ class TestForms:
         (tmp_path / "t.csv").write_text("name,motion.record.pga,block.mu\na,0.3*g,0.5\nb,2.5,null\nc,0.1*g,g/g\n")
         record = {"file": "synthetic_rock_m65.AT2", "pga": 1.0}
         case = {"block": {"h": 1.0, "b": 0.2}, "motion": {"record": record}}
-        for g, more in ((9.81, {}), (1.62, {}), ("5.315*ft", {}), (9.81, {"g": [1.62, 9.81]}),
+        for g, more in ((9.81, {}), (1.62, {}), ("5.315*ft/s**2", {}), (9.81, {"g": [1.62, 9.81]}),
                         (9.81, {"block": {"a": {"h": 2.0}}}), ("k", {})):  # fmt: skip
             study = {"name": "x", "let": {"k": 3.7}, "case": case | {"g": g}, "vary": {"case": "t.csv"} | more}
             (tmp_path / "x.yaml").write_text(json.dumps(study))
             pga, mu = open_study(tmp_path / "x.yaml").axes[0].given
-            value = 5.315 * 0.3048 if g == "5.315*ft" else g
+            value = 5.315 * 0.3048 if g == "5.315*ft/s**2" else g
             one = "g" not in more and g != "k"
             assert pga.values.tolist() == (
                 pytest.approx([0.3 * value, 2.5, 0.1 * value]) if one else ["0.3*g", "2.5", "0.1*g"]

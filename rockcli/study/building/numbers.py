@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rockcli.scene.body.block import Block
 from rockcli.scene.laws.damping import HOUSNER
 from rockcli.study.document.check import said_at
+from rockcli.study.document.dimensions import check_unit
 from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError, Value, parse
 from rockcli.study.document.tree import Keys, Map, Source, Where, meant, nearest, place, value_at
 from rockcli.study.document.values import WEAKEST
@@ -140,9 +141,11 @@ class Numbers:
         if not isinstance(found, str):
             return float(found)
         try:
-            return parse(found).evaluate(self.symbol)
+            value = parse(found).evaluate(self.symbol)
+            check_unit(found, keys, self.tree["let"])
         except ExpressionError as error:
             self.fail(keys, in_words(keys, found, str(error)), error.index)
+        return value
 
     def said(self, keys: Keys) -> Any:
         """What the study says at `keys`, or the default of the schema."""

@@ -24,6 +24,7 @@ from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import NOTE, Table, given_by, read_table
 from rockcli.study.cases.variation import Variation, numbers_of
 from rockcli.study.document.complaints import Complaints
+from rockcli.study.document.dimensions import check_unit
 from rockcli.study.document.expressions import CONSTANTS, Expression, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
@@ -296,12 +297,16 @@ class _Reader:
         try:
             expression = parse(text)
             if expression.names <= CONSTANTS.keys():
-                return float(expression.evaluate(constant))
+                value = float(expression.evaluate(constant))
+                check_unit(text, self.path)
+                return value
             if self.of_symbols and not self.of_g_alone(expression):
                 raise self.fail(f"is {describe(text)}; {_why_it_cannot_wait(self.study.get('let'), text)}", *more)
             if self.evaluate is None:
                 raise _NeedsCase
-            return self.evaluate(text)
+            value = self.evaluate(text)
+            check_unit(text, self.path, self.study.get("let"))
+            return value
         except ExpressionError as error:
             raise self.fail(f": {in_words(self.path, text, str(error))}", *more) from None
 
@@ -478,8 +483,9 @@ class _Reader:
         """A constant expression as its number, so that named numbers stay columns."""
         if isinstance(value, str) and varies_in_batch(path):
             try:
+                check_unit(value, path)
                 return parse(value).evaluate(constant)
-            except ExpressionError:
+            except ExpressionError:  # a case tells it
                 return value
         return value
 

@@ -21,7 +21,8 @@ from rockcli.errors import StudyError
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.units import g_of
-from rockcli.study.document.expressions import constant, says_its_unit, stated_number
+from rockcli.study.document.dimensions import stated_number
+from rockcli.study.document.expressions import constant, says_its_unit
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.inputs import Inputs, text_of

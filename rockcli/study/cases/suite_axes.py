@@ -9,7 +9,8 @@ from typing import Any
 from rockcli.scene.ground.amplitudes import AMPLITUDES
 from rockcli.scene.limit_states import in_full
 from rockcli.scene.variables import PEAK
-from rockcli.study.document.expressions import UNITS, ExpressionError, number_of, parse, stated_number
+from rockcli.study.document.dimensions import stated_number
+from rockcli.study.document.expressions import UNITS, ExpressionError, number_of, parse
 from rockcli.study.document.tree import Map, Source, nearest, value_at
 from rockcli.study.document.values import describe
 from rockcli.study.intensity import GROUND, KNOWN, OF_GROUND, bare, period_of
@@ -213,13 +214,13 @@ def _axis(source: Source, study: Map, keys: tuple[str, ...], text: str, axes: Se
 
 
 def _limit(source: Source, study: Map, i: int, value: Any) -> Limit:
-    quantity = PEAK
+    quantity, keys = PEAK, ("over", "limits", i)
     if isinstance(value, SlideLimitPart):
         said = {name: number for name, number in value if number is not None}
         if len(said) != 1:
-            raise source.error(study, ("over", "limits", i), "expected {slide_peak: m} or {slide_residual: m}")
+            raise source.error(study, keys, "expected {slide_peak: m} or {slide_residual: m}")
         ((quantity, value),) = said.items()
-    number = stated_number(source, study, ("over", "limits", i), value)
+    number = stated_number(source, study, keys if quantity == PEAK else (*keys, quantity), value)
     if not number > 0.0:
-        raise source.error(study, ("over", "limits", i), f"is {describe(value)}; expected a number greater than 0")
+        raise source.error(study, keys, f"is {describe(value)}; expected a number greater than 0")
     return Limit(number, quantity)

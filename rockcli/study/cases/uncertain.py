@@ -13,6 +13,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.uncertain.distributions import FAMILIES, Distribution
 from rockcli.scene.uncertain.samples import MOST_INPUTS, SAMPLINGS, unit_points
 from rockcli.study.cases.variation import Variation
+from rockcli.study.document.dimensions import check_unit
 from rockcli.study.document.expressions import CONSTANTS, ExpressionError, constant, parse
 from rockcli.study.document.overlay import same_twice
 from rockcli.study.document.paths import UNITS, Path, resolve, varies_in_batch
@@ -51,7 +52,7 @@ def read_uncertain(
     if len(part.uncertain) > MOST_INPUTS:
         raise source.error(study, ("uncertain",), f"has more than {MOST_INPUTS} inputs")
     read = [
-        _Read(text, _path(source, study, text), _distribution(source, study, text, said, evaluate))
+        _Read(text, path := _path(source, study, text), _distribution(source, study, text, path, said, evaluate))
         for text, said in part.uncertain.items()
     ]
     _check_apart(source, study, read, axes)
@@ -107,7 +108,9 @@ def _path(source: Source, study: Map, text: str) -> Path:
     return path
 
 
-def _distribution(source: Source, study: Map, text: str, part: DistributionPart, evaluate: Evaluate) -> Distribution:
+def _distribution(
+    source: Source, study: Map, text: str, path: Path, part: DistributionPart, evaluate: Evaluate
+) -> Distribution:
     keys = ("uncertain", text)
     given = [family for family in FAMILIES if getattr(part, family) is not None]
     if len(given) != 1:
@@ -121,7 +124,9 @@ def _distribution(source: Source, study: Map, text: str, part: DistributionPart,
                 return float(value)
             expression = parse(value)
             known = expression.names <= CONSTANTS.keys()
-            return float(expression.evaluate(constant)) if known else evaluate(value)
+            found = float(expression.evaluate(constant)) if known else evaluate(value)
+            check_unit(value, path, study.get("let"))
+            return found
         except ExpressionError as error:
             raise source.error(study, (*keys, *more), f": {error}") from None
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.study.document.tree import Keys, Map, Source, nearest
+from rockcli.study.document.tree import nearest
 
 Value = float | NDArray[np.float64]
 
@@ -147,16 +147,6 @@ def number_of(value: float | str, lookup: Callable[[str], Value] = constant) -> 
         ExpressionError: text that is no such expression.
     """
     return float(parse(value).evaluate(lookup)) if isinstance(value, str) else float(value)
-
-
-def stated_number(
-    source: Source, study: Map, keys: Keys, value: float | str, lookup: Callable[[str], Value] = constant
-) -> float:
-    """`number_of` a value that stands at `keys`, where a `StudyError` says what is wrong with it."""
-    try:
-        return number_of(value, lookup)
-    except ExpressionError as error:
-        raise source.error(study, keys, f": {error}") from None
 
 
 def says_its_unit(value: object) -> bool:
