@@ -81,9 +81,10 @@ def open_dataset(path: str | Path) -> xarray.Dataset:
     Raises:
         StudyError: it is none, or damaged.
     """
+    from rockcli.errors import path_given
     from rockcli.storage.read import open_dataset
 
-    dataset = open_dataset(Path(path))
+    dataset = open_dataset(path_given(path))
     _register()
     return dataset
 
@@ -121,9 +122,10 @@ def plot(
         StudyError: the dataset cannot be drawn so.
     """
     from rockcli.engine.draw import changes, figure_of
+    from rockcli.errors import path_given
 
     changed = changes(select, width, title, labels, limits, letters)
-    return figure_of(dataset, kind, None if path is None else Path(path), **changed)
+    return figure_of(dataset, kind, None if path is None else path_given(path), **changed)
 
 
 def report(dataset: xarray.Dataset | str | Path, path: str | Path) -> Path:
@@ -133,10 +135,11 @@ def report(dataset: xarray.Dataset | str | Path, path: str | Path) -> Path:
         StudyError: it is no dataset of this program, or the name does not end in .html or .htm.
     """
     from rockcli.engine.report_page import write_page, write_page_of
+    from rockcli.errors import path_given
 
     if isinstance(dataset, str | Path):
-        return write_page(Path(dataset), Path(path))
-    return write_page_of(dataset, Path(path))
+        return write_page(Path(dataset), path_given(path))
+    return write_page_of(dataset, path_given(path))
 
 
 def table(

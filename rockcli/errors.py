@@ -6,8 +6,18 @@ A failed case is not an error: it is a `Response` with an outcome and a sentence
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-__all__ = ["MACHINE", "MachineError", "OutputError", "RecordError", "RockError", "SolverError", "StudyError"]
+__all__ = [
+    "MACHINE",
+    "MachineError",
+    "OutputError",
+    "RecordError",
+    "RockError",
+    "SolverError",
+    "StudyError",
+    "path_given",
+]
 
 
 class RockError(Exception):
@@ -44,6 +54,15 @@ class RecordError(RockError):
     """A ground-motion record is missing, unreadable or not what it should be."""
 
     exit_code = 2
+
+
+def path_given(value: Any, kind: type[RockError] = StudyError) -> Path:
+    """The argument `path` of a function that Python calls; an error of the `kind` where it is none."""
+    try:
+        return Path(value)
+    except TypeError:
+        said = repr(value) if isinstance(value, int | float | None) else f"of type {type(value).__name__}"
+        raise kind(f"path is {said}; expected the path of a file, as text or a pathlib.Path") from None
 
 
 class SolverError(RockError):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rockcli.analysis.places import units_of
 from rockcli.engine.summary import infinite, largest, outcomes_of
+from rockcli.errors import path_given
 from rockcli.scene.response import outcome_words
 from rockcli.scene.variables import PEAK
 from rockcli.storage.read import as_accessor, from_xarray, of_a_part
@@ -61,13 +62,13 @@ class Rock:
         """As `rockcli.plot`."""
         from rockcli.engine.draw import changes, figure_of
 
-        return figure_of(self._dataset, kind, None if path is None else Path(path), **changes(**how))
+        return figure_of(self._dataset, kind, None if path is None else path_given(path), **changes(**how))
 
     def report(self, path: str | Path) -> Path:
         """As `rockcli.report`."""
         from rockcli.engine.report_page import write_page_of
 
-        return write_page_of(self._dataset, Path(path))
+        return write_page_of(self._dataset, path_given(path))
 
     def _lines(self) -> list[tuple[str, str]]:
         contents = self._contents

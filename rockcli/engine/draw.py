@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from rockcli.errors import StudyError
-from rockcli.scene.looks import Look, width_of
+from rockcli.scene.looks import WIDTHS_IN_WORDS, Look, width_of
 from rockcli.storage.atomic import replacing
 from rockcli.storage.lazy import open_lazily
 from rockcli.storage.places import check_file
@@ -61,8 +61,14 @@ def changes(
             raise StudyError(f"{name} is {told!r}; expected a mapping, as {_AS[name]}")
     if not (title is None or isinstance(title, str)):
         raise StudyError(f"title is {title!r}; expected words, or None for no title")
+    for row, words in (labels or {}).items():
+        if not (isinstance(row, str) and isinstance(words, str)):
+            raise StudyError(f"labels of {row!r} are {words!r}; expected words, as {_AS['labels']}")
+    if not (width is None or isinstance(width, str | Real)):
+        raise StudyError(f"width is {width!r}; expected {WIDTHS_IN_WORDS}")
     for row, ends in (limits or {}).items():
-        if not (isinstance(ends, tuple | list) and len(ends) == 2 and all(isinstance(end, Real) for end in ends)):
+        two = isinstance(ends, tuple | list) and len(ends) == 2 and all(isinstance(end, Real) for end in ends)
+        if not (isinstance(row, str) and two):
             raise StudyError(f"limits of {row!r} are {ends!r}; expected two numbers, as {_AS['limits']}")
     said = {"select": select, "labels": labels, "limits": limits, "letters": letters, "width": width_of(width)}
     return {key: value for key, value in said.items() if value} | ({} if title == "" else {"title": title})
@@ -249,6 +255,8 @@ def figure_of(
     )
     if not several:
         raise StudyError("an empty list: expected one dataset of `rock run` or rockcli.run, or several")
+    if not (kind is None or isinstance(kind, str)):
+        raise StudyError(f"kind is {kind!r}; expected the name of a kind of plot, as 'histories'")
     if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
     if path is not None:

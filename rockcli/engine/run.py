@@ -72,6 +72,8 @@ def solve_study(
 
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int | np.integer) or workers < 1):
         raise StudyError(f"workers is {workers!r}; expected a whole number of processes greater than 0, or None")
+    if not (progress is None or callable(progress)):
+        raise StudyError(f"progress is {progress!r}; expected a function of (cases done, cases in all), or None")
     processes = int(workers or 1)
     study = opened(source, processes)
     return to_xarray(solve(study, sweep=Sweep(Team(processes), progress=progress)))

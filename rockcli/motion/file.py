@@ -32,5 +32,7 @@ def record_bytes(path: Path) -> bytes:
         raise RecordError("there is no such file", path) from None
     except IsADirectoryError:
         raise RecordError("this is a folder, not a record; name a file in it", path) from None
+    except ValueError as error:  # a name that no file can have
+        raise RecordError(f"cannot be read: {error}", path) from error
     except OSError as error:
         raise RecordError(f"cannot be read: {error.strerror or error}", path) from error

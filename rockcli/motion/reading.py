@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli import kernels
-from rockcli.errors import RecordError
+from rockcli.errors import RecordError, path_given
 from rockcli.motion.agencies.channel import Channel
 from rockcli.motion.agencies.formats import FORMATS, channels_of, format_of
 from rockcli.motion.at2 import looks_like_at2, parse_at2
@@ -119,10 +120,10 @@ def read_record(
     Raises:
         RecordError: naming file, line if any, what is wrong and what to do.
     """
-    path = Path(path)
+    path = path_given(path, RecordError)
     unit = _known_unit(units, path)
-    if dt is not None and not 0.0 < dt < np.inf:
-        raise OptionError("dt", f"`dt` is {dt}; expected the time step in seconds, above zero", path)
+    if dt is not None and not _is_step(dt):
+        raise OptionError("dt", f"`dt` is {dt!r}; expected the time step in seconds, above zero", path)
     data = _bytes(path)
     if looks_like_at2(data):
         found = _at2(data, path, component, unit)
@@ -195,6 +196,10 @@ def components_of(path: str | Path) -> list[str | None]:
     names = _told_apart([str(trace.id) for trace in traces])
     numbers = [name for name, trace in zip(names, traces, strict=True) if not _is_text(trace)]
     return [None] if len(names) == 1 else [*(numbers or names)]  # one with text alone is refused as it is read
+
+
+def _is_step(dt: Any) -> bool:
+    return not isinstance(dt, bool) and isinstance(dt, Real) and 0.0 < float(dt) < np.inf
 
 
 def _known_unit(units: str | None, path: Path) -> str | None:

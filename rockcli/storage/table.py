@@ -7,7 +7,7 @@ one that is sorted is read whole.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -422,7 +422,10 @@ def frame_of(
 ) -> pandas.DataFrame:
     """A table of a dataset in memory; see `rockcli.table`."""
     dataset = with_axes_left(dataset)
-    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
+    if not isinstance(of, str):
+        raise StudyError(f"of is {of!r}; expected the name of a table, as 'cases'")
+    listed = columns is None or (isinstance(columns, Iterable) and not isinstance(columns, str))
+    if not listed or not all(isinstance(name, str) for name in columns or ()):
         raise StudyError(f"columns is {columns!r}; expected a list of names, as ['outcome']")
     found = table_of(items_of(dataset), dataset.attrs, of=of, columns=columns, degrees=degrees)
     (block,) = found.blocks(max(found.size, 1))

@@ -272,6 +272,10 @@ def test_what_a_suite_comes_to_is_not_told_of_a_part(tmp_path):
         ({"limits": {"z": (0, 1)}}, "limits of 'z': expected x or y"),
         ({"labels": {"ylabel": "words"}}, "labels of 'ylabel': expected x or y"),
         ({"title": 3}, "title is 3; expected words"),
+        ({"labels": {"x": 3}}, "labels of 'x' are 3; expected words"),
+        ({"limits": {3: (0, 1)}}, "limits of 3 are .* expected two numbers"),
+        ({"width": [90]}, r"width is \[90\]; expected single"),
+        ({"path": 3}, "path is 3; expected the path of a file"),
     ],
 )
 def test_what_is_wrong_with_a_figure_is_said(how, words, pulses):
@@ -279,7 +283,31 @@ def test_what_is_wrong_with_a_figure_is_said(how, words, pulses):
         rockcli.plot(pulses, "map", **how)
 
 
-@pytest.mark.parametrize("columns", ["outcome", [1]])
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda one: rockcli.read_record("a.csv", dt="0.01"), "a.csv: `dt` is '0.01'; expected the time step"),
+        (lambda one: rockcli.read_record("a.csv", dt=True), "`dt` is True; expected the time step"),
+        (lambda one: rockcli.read_record(None), "path is None; expected the path of a file"),
+        (lambda one: rockcli.read_record(["a", "b"]), "path is of type list; expected the path"),
+        (lambda one: rockcli.read_record("a\0b"), "cannot be read: embedded null byte"),
+        (lambda one: rockcli.open_dataset(3), "path is 3; expected the path of a file"),
+        (lambda one: rockcli.open_dataset(one), "path is of type Dataset; expected the path"),
+        (lambda one: rockcli.report(one, None), "path is None; expected the path of a file"),
+        (lambda one: one.rock.report(3), "path is 3; expected the path of a file"),
+        (lambda one: rockcli.plot(one, 3), "kind is 3; expected the name of a kind of plot"),
+        (lambda one: one.rock.plot("map", 3), "path is 3; expected the path of a file"),
+        (lambda one: rockcli.table(one, of=None), "of is None; expected the name of a table"),
+        (lambda one: rockcli.run(PULSES, progress=True), "progress is True; expected a function"),
+    ],
+)
+def test_an_argument_of_another_kind_is_named(call, words, pulses):
+    with pytest.raises((rockcli.StudyError, rockcli.RecordError)) as caught:
+        call(pulses)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("columns", ["outcome", [1], 3])
 def test_columns_are_a_list_of_names(columns, pulses):
     with pytest.raises(rockcli.StudyError, match="expected a list of names"):
         rockcli.table(pulses, columns=columns)
