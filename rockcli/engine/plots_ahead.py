@@ -60,7 +60,7 @@ def _ahead(study: Study, kinds: set[str]) -> Contents:
     if "spectrum" in kinds:
         fields["p"] = _p(study)
     over = study.over
-    attrs = {"case": as_json(study.resolved["case"])}
+    attrs = {"case": as_json(study.case)}
     if over is not None:
         from rockcli.analysis.suites.statistics import variables
 

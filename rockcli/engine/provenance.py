@@ -24,7 +24,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     more = {
         "study": study.resolved_yaml,
-        "case": as_json(study.resolved["case"]),
+        "case": as_json(study.case),
         "study_name": study.name,
         "identity": study.identity,
         "sweep_id": study.sweep_id,
@@ -53,7 +53,7 @@ def refreshed(attrs: dict[str, str], study: Study) -> dict[str, str]:
         "title": study.title or study.name,
         "references": study.references,
         "study": study.resolved_yaml,
-        "case": as_json(study.resolved["case"]),
+        "case": as_json(study.case),
         "compare_to": as_json(study.compare_to),
         "history": f"{attrs['history']}\n{now} described again by rockcli {__version__}",
     }

@@ -41,7 +41,7 @@ from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_study, check_with_base
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.dimensions import stated_number
-from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS
+from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, ExpressionError
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, settings_of, without_effect
 from rockcli.study.document.shorthands import expanded
@@ -119,7 +119,8 @@ def open_study(
     points = {i: axis.values.index(at[axis.name]) for i, axis in enumerate(axes) if at and axis.name in at}
     cases = dataclasses.replace(cases, save=Save(histories, dt_out, frozenset(scalars)), histories_at=points)
     search = None if sought is None else make_search(cases, sought)
-    over = _statistics(where, tree, part, axes, scalars, uncertain, search)
+    g = _gravity(cases, base)
+    over = _statistics(where, tree, part, axes, scalars, uncertain, search, g)
     refine = read_refine(where, tree, part, axes, scalars, searches=search is not None, over=over)
     expect = read_expect(where, tree, axes, cases.evaluate, () if search is None else search.results(over), over)
     check_histories(where, tree, expect, axes, at if histories else None, saved=histories)
@@ -168,6 +169,7 @@ def open_study(
         uncertain=uncertain,
         refine=refine,
         audit=part.audit,
+        g=g,
         places=_places(tree, axes),
     )
 
@@ -199,6 +201,7 @@ def _statistics(
     scalars: tuple[str, ...],
     uncertain: Uncertain | None,
     search: Search | None,
+    g: float | None,
 ) -> Over | None:
     """What is told over an axis, and the rates that hazard curves make of it; samples are told over unless asked."""
     wanted = part.over or (OverPart(axis=SAMPLE) if uncertain is not None else None)
@@ -207,7 +210,18 @@ def _statistics(
         over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain.inputs))
     if over is not None and search is not None:
         over = of_search(where, tree, over, search, axes)
-    return read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis))
+    return read_hazard(where, tree, part, over, axes if search is None else (*axes, search.axis), g)
+
+
+def _gravity(cases: Cases, base: Map) -> float | None:
+    """What an expression for g comes to, where that is one number in all cases; None where there is none."""
+    said = value_at(base, ("case", "g"))
+    if not isinstance(said, str):
+        return None
+    try:
+        return cases.evaluate("g")
+    except ExpressionError:
+        return None
 
 
 def _ineffective(

@@ -281,6 +281,7 @@ class Study:
         inputs: name of every file read, as in the study -> SHA-256 of its bytes.
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
+        g: what the expression that the case has for g comes to, where that is one number in all cases [m/s²].
         places: where the file says what decides on the backend, by key (`solver.method`, `vary.base[1]`), of those that
             it says.
     """
@@ -313,7 +314,13 @@ class Study:
     uncertain: Uncertain | None = None
     refine: tuple[str, ...] = ()
     audit: float | bool = False
+    g: float | None = None
     places: dict[str, Where] = field(default_factory=dict)
+
+    @property
+    def case(self) -> dict[str, Any]:
+        """The resolved case, as datasets carry it: with g as a number where it is one."""
+        return {**self.resolved["case"], **({} if self.g is None else {"g": self.g})}
 
     @property
     def shape(self) -> tuple[int, ...]:

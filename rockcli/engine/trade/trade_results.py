@@ -75,7 +75,7 @@ def contents_of(study: Study, found: Trade) -> Contents:
 def _places(study: Study, found: Trade) -> list[str]:
     """Coordinates of every case in words, over the axes that the trade leaves as they are."""
     at = np.unravel_index(found.cases, study.shape) if study.axes else ()
-    units = Units(g_of(study.resolved["case"], {axis.path for axis in study.axes}))
+    units = Units(g_of(study.case, {axis.path for axis in study.axes}))
     places = []
     for row in range(len(found.cases)):
         pairs = [(axis, axis.values[int(index[row])]) for axis, index in zip(study.axes, at, strict=True)]
@@ -92,7 +92,7 @@ def _attributes(study: Study, found: Trade) -> dict[str, str]:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     more = {
         "study": study.resolved_yaml,
-        "case": as_json(study.resolved["case"]),
+        "case": as_json(study.case),
         "study_name": f"{study.name}-trade",
         "identity": f"trade of {study.identity}",
         "inputs": as_json(study.inputs),

@@ -57,8 +57,10 @@ class _Read:
     lines: tuple[int, ...] = ()
 
 
-def read_hazard(source: Source, study: Map, part: StudyPart, over: Over | None, axes: Sequence[Axis]) -> Over | None:
-    """The statistics of a study with the hazard curves and the age it gives.
+def read_hazard(
+    source: Source, study: Map, part: StudyPart, over: Over | None, axes: Sequence[Axis], own_g: float | None = None
+) -> Over | None:
+    """The statistics of a study with the hazard curves and the age it gives; `own_g`: what an expression for g is.
 
     Raises:
         StudyError: there is no fragility to convolve with, a curve is none or of another intensity, a file cannot be
@@ -76,7 +78,7 @@ def read_hazard(source: Source, study: Map, part: StudyPart, over: Over | None, 
         raise source.error(
             study, ("hazard",), f"is of one intensity, the fragility of two ({over.told_against}, {over.second})"
         )
-    g = g_of(study["case"], {axis.path for axis in axes})
+    g = g_of(study["case"] | ({} if own_g is None else {"g": own_g}), {axis.path for axis in axes})
     against = _against(over, axes)
     curves: list[HazardCurve] = []
     for i, entry in enumerate(part.hazard):
