@@ -68,8 +68,8 @@ def _as_json(found: Calibration) -> str:
 
 
 def _text(found: Calibration) -> str:
-    from rockcli.cli.progress import counted
     from rockcli.cli.tables import table
+    from rockcli.scene.counted import counted
 
     plain = found.as_plain()
     title = f"{found.table}: {counted(plain['runs'], 'run')} in {counted(plain['groups'], 'group')}, "

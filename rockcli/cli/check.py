@@ -30,10 +30,10 @@ def check(
 
     Counts the cases and prints the first: body, model, motion in g and over g tan(alpha), cost.  Solves nothing.
     """
-    from rockcli.cli.progress import counted
     from rockcli.cli.sources import open_all
     from rockcli.engine.preview import preview
     from rockcli.engine.run import check_answers
+    from rockcli.scene.counted import counted
 
     opened = open_all(studies, settings or (), skip_missing=skip_missing, also=check_answers)
     previews = [preview(study) for study in opened.studies]
@@ -90,13 +90,14 @@ def _text(found: Preview) -> str:
 def _bodies(found: Preview) -> str:
     """Every distinct body in a row."""
     from rockcli.engine.bodies import UPLIFT
+    from rockcli.scene.counted import counted
 
     columns = [name for name in found.bodies[0] if any(row[name] == row[name] for row in found.bodies)]
     shown = found.bodies[:MOST_BODIES]
     cells = [[_shown(row[name]) if row[name] == row[name] else "" for name in columns] for row in shown]
     printed = table([found.uplift if name == UPLIFT else name for name in columns], cells, indent=2)
     more = len(found.bodies) - len(shown)
-    return printed + (f"\n  and {more} more bodies: --json has all" if more else "")
+    return printed + (f"\n  and {counted(more, 'more body')}: --json has all" if more else "")
 
 
 def _shown(value: float | str) -> str:

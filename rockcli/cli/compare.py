@@ -71,8 +71,8 @@ def _files(a: Path, b: Path, rtol: float, most: int, *, si: bool) -> tuple[Diffe
 def _folders(a: Path, b: Path, rtol: float, most: int, *, as_json: bool) -> bool:
     """Compare the datasets that two folders both have; whether all are the same."""
     from rockcli.analysis.compare_datasets import NothingToCompareError
-    from rockcli.cli.progress import counted
     from rockcli.errors import StudyError
+    from rockcli.scene.counted import counted
     from rockcli.storage.atomic import datasets_below
 
     names = [{str(file.relative_to(folder)) for file in datasets_below(folder)} for folder in (a, b)]
@@ -143,7 +143,7 @@ def _in_words(found: Difference, apart: dict[str, str], rtol: float) -> str:
 
 def _points(found: Difference) -> str:
     """How many points were compared, and how many could not be."""
-    from rockcli.cli.progress import counted
+    from rockcli.scene.counted import counted
 
     words = f"{counted(found.points, 'point')} in both"
     if found.filled:

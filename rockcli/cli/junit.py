@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from rockcli.cli.progress import counted
 from rockcli.cli.words import verdict_text
 from rockcli.errors import OutputError, StudyError
+from rockcli.scene.counted import counted
 from rockcli.storage.atomic import replacing
 from rockcli.storage.places import check_file, reason
 

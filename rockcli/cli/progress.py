@@ -112,12 +112,6 @@ class Progress:
             self.bar.refresh()
 
 
-def counted(number: int, what: str) -> str:
-    """`1 case`, `2 cases`, `2 studies`."""
-    plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
-    return f"{number} {what if number == 1 else plural}"
-
-
 def duration(seconds: float) -> str:
     """`0.41 s`, `12 s`, `3 min 20 s`, `2 h 5 min`."""
     if seconds < 10.0:

@@ -12,6 +12,7 @@ import typer
 from rockcli.cli.say import say
 from rockcli.cli.tables import facts
 from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.counted import counted
 
 if TYPE_CHECKING:
     from rockcli.motion.motion import Motion
@@ -81,7 +82,7 @@ def info(
     chosen = listed(files)
     ready_for(len(chosen))
     if rotd and len(chosen) % 2:
-        raise RecordError(f"--rotd needs pairs of components; these are {len(chosen)} files")
+        raise RecordError(f"--rotd needs pairs of components, not {counted(len(chosen), 'file')}")
     rows: list[dict[str, Any]] = []
     motions: list[Motion] = []
     sources: list[Path] = []

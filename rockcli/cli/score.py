@@ -171,8 +171,8 @@ def _sources(files: list[Path]) -> tuple[Path | None, Path, ScorePart]:
 def text(report: Report) -> str:
     """The scores as tables for the terminal."""
     from rockcli.analysis.experiments.scores import NAMES
-    from rockcli.cli.progress import counted
     from rockcli.cli.tables import table
+    from rockcli.scene.counted import counted
 
     runs = report.runs
     title = f"{runs.file.name}{f', {report.specimen}' * bool(report.specimen)}: {counted(runs.size, 'run')}"

@@ -10,6 +10,7 @@ import typer
 
 from rockcli.cli.say import say
 from rockcli.cli.tables import table
+from rockcli.scene.counted import counted
 
 if TYPE_CHECKING:
     from rockcli.engine.trade.measurements import Point, Trade
@@ -111,7 +112,9 @@ def _text(study: Study, found: Trade, path: Path, drawn: tuple[Path, ...], *, ev
     from rockcli.engine.trade.measurements import best_of_others, by_reference, on_front
     from rockcli.engine.trade.settings import DATA, MODEL, NUMERICS
 
-    lines = [f"{study.name}: {len(found.cases)} of {found.size} cases, {len(found.points)} settings"]
+    lines = [
+        f"{study.name}: {len(found.cases)} of {counted(found.size, 'case')}, {counted(len(found.points), 'setting')}"
+    ]
     lines += [f"  reference {name}: {words}" for name, words in found.references.items()]
     lines += [f"  note      {note}" for note in found.notes]
     parts = {part: [p for p in found.points if p.setting.part == part] for part in (MODEL, DATA, NUMERICS)}

@@ -54,8 +54,8 @@ def verify(
 
 def _intact(paths: Sequence[Path], *, as_json: bool) -> bool:
     """Say of datasets whether they are as they were written; whether none is damaged."""
-    from rockcli.cli.progress import counted
     from rockcli.errors import StudyError
+    from rockcli.scene.counted import counted
     from rockcli.storage import netcdf
     from rockcli.storage.atomic import datasets_below
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockcli.cli.progress import counted, duration
+from rockcli.cli.progress import duration
+from rockcli.scene.counted import counted
 from rockcli.scene.response import outcome_words
 
 if TYPE_CHECKING:

@@ -22,6 +22,7 @@ from rockcli.errors import SolverError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Batch, Save
 from rockcli.scene.constants import YIELD_ROTATION
+from rockcli.scene.counted import counted
 from rockcli.scene.numerics import Numerics
 from rockcli.scene.response import FAILED, NO_UPLIFT, OUTCOMES
 from rockcli.scene.variables import AUDIT
@@ -256,8 +257,11 @@ def _first_sentence(size: int, found: _Findings, levels: list[str], left_out: in
     what = f"all {found.audited}" if whole and not left_out else f"{found.audited} of {size}"
     how = "" if whole else " (a sample, the same every time)"
     limit = "ten times their stated error" if found.stated else f"{UNSTATED:g}"
-    words = f"{what} cases again{how}, {', '.join(levels) or 'nothing tighter'}: "
-    words += f"{len(found.other)} other outcomes, {len(found.beyond)} peaks off by more than {limit}"
+    what = "the case" if size == 1 else f"{what} cases"
+    words = f"{what} again{how}, {', '.join(levels) or 'nothing tighter'}: "
+    words += (
+        f"{counted(len(found.other), 'other outcome')}, {counted(len(found.beyond), 'peak')} off by more than {limit}"
+    )
     if found.failed:
         words += f"; {found.failed} failed in the tighter run"
     if left_out:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rockcli.engine.draw import FORMATS
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
 from rockcli.storage.atomic import replacing, write_text
@@ -180,7 +181,7 @@ def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]
         what = f"amplitude {wrong[0] + 1} is {a[wrong[0]]:.6g} rad: expected between 0 and alpha = {alpha:.6g} rad"
         raise StudyError(f"{what}; --degrees if it is in degrees", file=measured.file)
     if len(a) <= (k := 2 + (ALPHA in free)):
-        raise StudyError(f"{k} unknowns need more than {len(a)} amplitudes", file=measured.file)
+        raise StudyError(_too_few(k, len(a), "amplitude"), file=measured.file)
     names = (ETA, THETA, *((ALPHA,) if ALPHA in free else ()))
 
     def residuals(x: Array) -> Array:
@@ -280,7 +281,7 @@ def identify_history(
     """
     assert measured.time is not None
     if len(measured.theta) <= len(free):
-        raise StudyError(f"{len(free)} unknowns need more than {len(measured.theta)} rows", file=measured.file)
+        raise StudyError(_too_few(len(free), len(measured.theta), "row"), file=measured.file)
     time, theta = measured.time - measured.time[0], measured.theta
     size = float(np.max(np.abs(theta)))
     scales = {ETA: 1.0, ALPHA: guess[ALPHA], P: guess[P], THETA: size, RATE: size * guess[P]}
@@ -434,3 +435,7 @@ def _parts(case: dict[str, float]) -> dict[str, dict[str, float | str]]:
 
 def _mapping(values: Mapping[str, float | str]) -> str:
     return "{" + ", ".join(f"{key}: {value!r}" for key, value in values.items()) + "}"
+
+
+def _too_few(unknowns: int, data: int, what: str) -> str:
+    return f"{counted(unknowns, 'unknown')} need{'s' * (unknowns == 1)} more than {counted(data, what)}"

@@ -44,9 +44,10 @@ class FallingGround:
         if not self.cases:
             return []
         of = f"{size} cases" if self.looked_at == size else f"{self.looked_at} cases looked at"
+        where = f" in {self.cases} of {of}" if size > 1 else ""
         return [
-            f"the ground falls away faster than g (g + a_v < 0) in {self.cases} of {of}, first at t = {self.first:.4g} "
-            "s: the body would leave it, but the model holds it on its base (with a `mu` a rigid block flies)"
+            f"the ground falls away faster than g (g + a_v < 0){where}, first at t = {self.first:.4g} s: the "
+            "body would leave it, but the model holds it on its base (with a `mu` a rigid block flies)"
         ]
 
 

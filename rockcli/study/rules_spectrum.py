@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.scene.counted import counted
 from rockcli.scene.ground.spectra import FloorSpectrum
 from rockcli.scene.rules import RULES
 from rockcli.study.document.dimensions import stated_number
@@ -34,7 +35,9 @@ def read_rules_spectrum(source: Source, study: Map, part: StudyPart) -> FloorSpe
         )
     periods, S_a = (_numbers(source, study, key, getattr(said, key)) for key in ("periods", "S_a"))
     if len(periods) != len(S_a):
-        raise source.error(study, (KEY, "S_a"), f"has {len(S_a)} values for {len(periods)} periods")
+        raise source.error(
+            study, (KEY, "S_a"), f"has {counted(len(S_a), 'value')} for {counted(len(periods), 'period')}"
+        )
     if said.units == "g" and (twice := [value for value in said.S_a if says_its_unit(value)]):
         message = f"{twice[0]!r} says its unit, and `units: g` too; leave one out"
         raise source.error(study, (KEY, "S_a"), f": {message}")

@@ -14,7 +14,8 @@ import pytest
 import xarray
 
 import rockcli
-from rockcli.cli.progress import Progress, counted
+from rockcli.cli.progress import Progress
+from rockcli.scene.counted import counted
 from rockcli.storage.read import open_dataset
 
 Rock = Callable[..., int]
@@ -191,3 +192,22 @@ def test_cases_that_failed_for_want_of_a_program_are_told_so_again(
         "1 case when this file was made; once the cause is mended, as a program installed, --fresh solves all again"
         in again
     )
+
+
+def test_one_of_a_kind_is_told_as_one(rock, tmp_path, capsys):
+    block, pulse = {"R": 2.0, "tan_alpha": 0.2}, {"shape": "half_sine", "a_p": 3, "T_p": 1}
+    one = {"case": {"block": block, "motion": {"pulse": pulse, "duration": 1.2}, "solver": {"accuracy": "draft"}}}
+    drawn = rockcli.run(one | {"audit": True})
+    assert "\"the case again, draft -> standard: 0 other outcomes, 0 peaks" in drawn.attrs["audit"]
+    words = " ".join(text.get_text() for text in rockcli.plot(drawn, "histories").texts)
+    assert ", 1 impact" in words
+    assert "1 impacts" not in words
+    (tmp_path / "a.csv").write_text("1,2\n")
+    (tmp_path / "a.yaml").write_text("name: a\ncase: {block: {outline: a.csv}}\n")
+    with pytest.raises(rockcli.StudyError, match="has 1 point; a polygon has at least 3"):
+        rockcli.check(tmp_path / "a.yaml")
+    falls = {"block": block, "motion": {"pulse": pulse, "vertical": {"pulse": pulse | {"a_p": -12}}}}
+    told = rockcli.run({"case": falls}).attrs["warnings"]
+    assert "falls away faster than g (g + a_v < 0), first at t = " in told
+    assert rock("records", "info", "synthetic_rock_m65.AT2", "--rotd") == 2
+    assert "--rotd needs pairs of components, not 1 file" in capsys.readouterr().err

@@ -203,7 +203,7 @@ GOOD = "record,outcome,p\na.txt,1,0.5\nb.txt,stood,0.25\n"
         ("record,p\na.txt,0.5\n", 1, "no column `outcome`"),
         ("outcome,p\n1,0.5\nmaybe,0.5\n", 3, "outcome is 'maybe'"),
         ("outcome,p,p\n1,0.5,1\n", 1, "repeats"),
-        ("outcome,p\n1,0.5\n\n1\n", 4, "1 cells"),
+        ("outcome,p\n1,0.5\n\n1\n", 4, "1 cell, the first has 2"),
         ("outcome,scale\n1,0.5\n1,big\n", 3, "scale is 'big'"),
         ("outcome,scale\n1,0.5\n1,0\n", 3, "scale is '0'; expected a number greater than 0"),
         ("outcome,scale\n1,0.5\n1,-1\n", 3, "scale is '-1'; expected a number greater than 0"),

@@ -15,6 +15,7 @@ from rockcli.analysis.places import coordinates, place, units_of
 from rockcli.analysis.suites.intensity_correlation import LEAST
 from rockcli.analysis.suites.risk import central, largest_tail
 from rockcli.analysis.threshold_fields import found_by
+from rockcli.scene.counted import counted
 from rockcli.scene.ground.hazard import CONSISTENT, hazard_words
 from rockcli.scene.limit_states import OVERTURNED, exceeded_when, in_full
 from rockcli.scene.response import SLIDING
@@ -387,7 +388,8 @@ def _of_samples(contents: Contents, study: Study, over: Over, units: Units) -> I
             shown = (f"{names[i]} {_index(contents, kind, (*at, i))}" for i in order)
             yield f"{where}{words}: {', '.join(shown)}"
     if int(np.prod(shape, dtype=int)) > len(listed):
-        yield f"and {int(np.prod(shape)) - len(listed)} more points: rock table FILE.nc --of inputs, --of suite"
+        left = counted(int(np.prod(shape)) - len(listed), "more point")
+        yield f"and {left}: rock table FILE.nc --of inputs, --of suite"
 
 
 def _index(contents: Contents, kind: str, at: tuple[int, ...]) -> str:
@@ -468,7 +470,7 @@ def _of_fragility(contents: Contents, over: Over, units: Units) -> Iterator[str]
                 )
     if many > len(listed):
         yield (
-            f"and {many - len(listed)} more bodies, of larger medians of overturning or none: "
+            f"and {counted(many - len(listed), 'more body')}, of larger medians of overturning or none: "
             "rock table FILE.nc --of fragility --select limit_state=overturned --sort fragility_median"
         )
 
@@ -521,7 +523,7 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 )
     if many > len(listed):
         yield (
-            f"and {many - len(listed)} more bodies, that overturn less often or have no rate: "
+            f"and {counted(many - len(listed), 'more body')}, overturned less often or without a rate: "
             "rock table FILE.nc --of risk --select limit_state=overturned --sort -annual_rate"
         )
 

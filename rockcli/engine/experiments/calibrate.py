@@ -30,6 +30,7 @@ from rockcli.engine.experiments.simulated import Simulated, simulate
 from rockcli.engine.sweep.sweep import Progress
 from rockcli.engine.sweep.work import Team
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 from rockcli.storage.atomic import write_text
 from rockcli.version import __version__
 
@@ -268,7 +269,10 @@ def predicted(
         body, found = fit.known(np.ones(len(own), dtype=bool))
         p, low, high = predict(log_capacity @ body, found, where)
         shared = len(set(labels) & set(calibration.labels))
-        told = f"{shared} groups of the runs are among those of the calibration: this is a fit, no prediction; --folds"
+        told = (
+            f"{counted(shared, 'group')} of the runs {'is' if shared == 1 else 'are'} among those of the calibration: "
+            "this is a fit, no prediction; --folds"
+        )
         return Prediction(STUDY, p, low, high), (told,) if shared else ()
     group, each = numbered(labels), np.array(labels)
     out = np.zeros((3, options.repeats, len(labels)))

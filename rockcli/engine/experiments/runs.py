@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rockcli.analysis.experiments.scores import Index, numbered
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 from rockcli.scene.response import OUTCOMES, overturned
 from rockcli.study.inputs import text_of
 
@@ -216,7 +217,9 @@ def _cells(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
         raise StudyError("a name in the first line is empty or repeats", file=path, line=line)
     for number, cells in rows[1:]:
         if len(cells) != len(head):
-            raise StudyError(f"the line has {len(cells)} cells, the first has {len(head)}", file=path, line=number)
+            raise StudyError(
+                f"the line has {counted(len(cells), 'cell')}, the first has {len(head)}", file=path, line=number
+            )
     return line, head, rows[1:]
 
 

@@ -19,6 +19,7 @@ from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
 from rockcli.motion.spectrum import Stretch, pseudo_acceleration
 from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.counted import counted
 
 Array = NDArray[np.float64]
 
@@ -167,7 +168,7 @@ def report_of(
         scores[name] = scored(runs.outcome[known], each.p[known], runs.groups[known], how.seed)
         bins[name] = reliability(runs.outcome[known], each.p[known])
         if not known.all():
-            told.append(f"{name} says nothing of {int((~known).sum())} runs, on which it is not scored")
+            told.append(f"{name} says nothing of {counted(int((~known).sum()), 'run')}, on which it is not scored")
     return Report(specimen, runs, against, found, scores, bins, _tests(runs, found, against), tuple(told))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockcli.analysis.experiments.scores import NAMES, SENTENCES
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 from rockcli.storage.atomic import replacing, write_text
 from rockcli.storage.places import check_file
 
@@ -51,7 +52,7 @@ def _figure(report: Report) -> Figure:
 
     points = [Point(one.p, one.share, one.low, one.high, one.n) for one in report.reliability[report.against]]
     found = report.scores[report.against]
-    words = f"{found.n} runs, {found.events} overturned; limits of 95 %"
+    words = f"{counted(found.n, 'run')}, {found.events} overturned; limits of 95 %"
     return figure(points, " ".join(filter(None, (report.specimen, report.against))), words)
 
 

@@ -263,6 +263,8 @@ def check_solved(refused: dict[str, int], cases: int) -> None:
         most = max(refused, key=lambda sentence: refused[sentence])
         more = f", and {len(refused) - 1} other complaints" if len(refused) > 1 else ""
         message = f"{sum(refused.values())} of {cases} cases are not solved, because the machine refused: {most}{more}"
+        if cases == 1:
+            message = f"the case is not solved, because the machine refused: {most}"
         raise MachineError(message)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from rockcli.engine.lock import locked
 from rockcli.engine.provenance import as_json, versions
 from rockcli.engine.trade.measurements import Point, Trade, middle
+from rockcli.scene.counted import counted
 from rockcli.scene.units import Units, g_of
 from rockcli.storage import netcdf
 from rockcli.storage.contents import Contents, Field, root_attributes, text, variable_field
@@ -96,7 +97,7 @@ def _attributes(study: Study, found: Trade) -> dict[str, str]:
         "study_name": f"{study.name}-trade",
         "identity": f"trade of {study.identity}",
         "inputs": as_json(study.inputs),
-        "sample": f"{len(found.cases)} of {found.size} cases",
+        "sample": f"{len(found.cases)} of {counted(found.size, 'case')}",
         "trade_references": json.dumps(found.references),
         "trade_notes": "; ".join(found.notes),
         "skipped": json.dumps(found.skipped, ensure_ascii=False),

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +74,7 @@ def _of_axes(
         if direction not in ("x", "y") or (number and not number.isdecimal()):
             raise StudyError(f"plot {kind!r}: {what} of {name!r}: expected x or y, or y1, y2, ... of rows of panels")
         if number and not 1 <= int(number) <= len(rows):
-            raise StudyError(f"plot {kind!r}: {what} of {name}: it has {len(rows)} rows of panels")
+            raise StudyError(f"plot {kind!r}: {what} of {name}: it has {counted(len(rows), 'row')} of panels")
         chosen = rows[int(number) - 1 : int(number)] if number else rows
         found.append(([(axes, direction) for row in chosen for axes in row], value))
     return found

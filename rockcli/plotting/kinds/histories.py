@@ -32,6 +32,7 @@ from rockcli.plotting.common.style import (
     new_figure,
     width_or,
 )
+from rockcli.scene.counted import counted
 
 if TYPE_CHECKING:
     import xarray
@@ -251,4 +252,4 @@ def _summary(dataset: xarray.Dataset, case: Shown) -> str:
     when = _peak(dataset, case.position)[0]
     impacts = number_at(dataset, "n_impacts", case.position)
     words = rf"peak $|\theta|/\alpha$ = {peak:.4g}" + (f" at {when:.3g} s" if np.isfinite(when) else "")
-    return words + (f", {impacts:.0f} impacts" if np.isfinite(impacts) else "")
+    return words + (f", {counted(round(impacts), 'impact')}" if np.isfinite(impacts) else "")

@@ -147,7 +147,7 @@ def _slide(dataset: xarray.Dataset) -> list[Fact]:
     slides = dataset["slide_peak"].transpose(*axes_of(dataset)).values
     endless = int(np.isinf(slides).sum())
     slides = np.where(np.isfinite(slides), slides, 0.0)
-    never = f"in {endless} of {slides.size} cases no friction stops it"
+    never = f"in {endless} of {slides.size} cases " * (slides.size > 1) + "no friction stops it"
     if not slides.max(initial=0.0) > 0.0:
         return [Fact("without end", "slides on", never)] if endless else []
     at = tuple(int(i) for i in np.unravel_index(int(np.argmax(slides)), slides.shape))

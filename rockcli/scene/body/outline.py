@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.scene.body.lower_outline import LEVEL, lower_hull, settling_turn, turned
+from rockcli.scene.counted import counted
 
 Array = NDArray[np.float64]
 
@@ -84,7 +85,7 @@ def figure(points: Array) -> Figure:
     """
     k = points.shape[1]
     if k < 3:
-        raise OutlineError(f"has {k} points; a polygon has at least 3")
+        raise OutlineError(f"has {counted(k, 'point')}; a polygon has at least 3")
     _check_simple(points)
     middle = 0.5 * (points.min(axis=1) + points.max(axis=1))
     x, z = np.moveaxis(points - middle[:, None, :], 2, 0)

@@ -13,6 +13,7 @@ from rockcli.scene.body.lower_outline import LEVEL, lower_hull
 from rockcli.scene.body.outline import OutlineError, Solid
 from rockcli.scene.body.scan import QUARTER, Profile, Scan
 from rockcli.scene.body.slivers import without_slivers
+from rockcli.scene.counted import counted
 from rockcli.study.building.body_outline import BLOCK, SAID_BY_OUTLINE
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS
@@ -213,7 +214,7 @@ def _loaded(data: bytes, kind: str) -> Any:
     except Exception as error:  # whatever a damaged file makes of the reader
         raise MeshError(f"cannot be read as {kind.upper()} ({type(error).__name__}: {str(error)[:200]})") from None
     if triangles.ndim != 2 or len(triangles) < 4 or not np.isfinite(corners).all():
-        raise MeshError(f"holds no body: {len(triangles)} triangles")
+        raise MeshError(f"holds no body: {counted(len(triangles), 'triangle')}")
     read = trimesh.Trimesh(corners, triangles, process=True)
     mesh = _cleaned(read.copy())
     if not mesh.is_watertight:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import StudyError
 from rockcli.scene.body.outline import Given, OutlineError, Solid, solid
+from rockcli.scene.counted import counted
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.document.expressions import UNITS, Value
 from rockcli.study.document.tree import Keys, dotted, place
@@ -190,7 +191,7 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
             raise StudyError(f"a line of an outline is x, z [m], not {text[:60]!r}", file=path, line=number)
         points.append(row)
     if len(points) < 3:
-        raise StudyError(f"the outline has {len(points)} points; a polygon has at least 3", file=path)
+        raise StudyError(f"the outline has {counted(len(points), 'point')}; a polygon has at least 3", file=path)
     return np.array(points)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rockcli.errors import RecordError
 from rockcli.scene.constants import STANDARD_G
+from rockcli.scene.counted import counted
 from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.ground.excitation import Channel, Excitation, Samples, Suite
 from rockcli.study.building.floors import goes_through, of_pulse, of_record
@@ -277,7 +278,7 @@ def _prepared(numbers: Numbers, keys: Keys, records: Records, g: float, angle: f
         if keys[:-1] != MOTION:
             numbers.fail((*keys, "file"), "the vertical motion is one component, one file")
         if len(names) != 2:
-            numbers.fail((*keys, "file"), f"has {len(names)} names; two horizontal components are expected")
+            numbers.fail((*keys, "file"), f"has {counted(len(names), 'name')}; two horizontal components are expected")
         if angle is None:
             numbers.fail(keys, "two horizontal components need an angle, from the first towards the second")
         pair = []

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rockcli.errors import StudyError
+from rockcli.scene.counted import counted
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.loader import scalar
 from rockcli.study.document.overlay import Setting
@@ -70,7 +71,9 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     for i, row in rows[1:]:
         if len(row) != len(rows[0][1]):
             _check_separators(path, i, row)
-            raise StudyError(f"the line has {len(row)} cells, the first has {len(rows[0][1])}", file=path, line=i)
+            raise StudyError(
+                f"the line has {counted(len(row), 'cell')}, the first has {len(rows[0][1])}", file=path, line=i
+            )
     rows = _without_blank_columns(rows)
     notes = [
         (head.removeprefix(NOTE).strip(), [row[k] for _, row in rows[1:]])
