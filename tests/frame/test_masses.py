@@ -7,8 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from frame.frames import PAIRS, column, on_fibres, ricker
+from scenes import block, make_batch, pulse
 
+from rockcli.errors import SolverError
 from rockcli.scene.body.column import Column
+from rockcli.solvers.common.rotary import lacking
+from rockcli.solvers.frame.case import case_of
+from rockcli.solvers.frame.solver import load
 from rockcli.solvers.frame.structure import (
     clamped_frequency,
     consistent_bar,
@@ -108,3 +113,20 @@ def test_on_fibres_the_corner_is_the_pivot():
     assert about_the_base(structure.mass, structure.heights, rise=b) == pytest.approx(
         4.0 / 3.0 * structure.m * 100.0, rel=1e-12
     )
+
+
+@pytest.mark.parametrize("fibres", [False, True])
+def test_an_inertia_below_that_of_its_line_is_refused(fibres):
+    """Nodes of negative rotary inertia made energy: a block that hardly moves was told to overturn."""
+    body = replace(block(2.0, 0.2), inertia=np.full((1, 2), 1.3))
+    batch = replace(make_batch(body, pulse("ricker", 7.0, 9.0), model="4"), geometry="corotational")
+    if fibres:
+        fibred = on_fibres(kw=1e12, fibres=5)
+        batch = replace(fibred, block=replace(fibred.block, inertia=np.full((1, 2), 1.3)))
+    with pytest.raises(SolverError, match=r"inertia = 1\.3 is less than the 1\.3[23]"):
+        case_of(batch, 0, load())
+
+
+def test_an_inertia_may_be_rounded_and_be_larger():
+    assert lacking(1.3333333, 3.0, 2.0, 4.0) == 0.0
+    assert lacking(1.4, 3.0, 2.0, 4.0) == pytest.approx(12.0 * (1.4 - 4.0 / 3.0))

@@ -14,7 +14,7 @@ from scenes import array
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
-from rockcli.errors import StudyError
+from rockcli.errors import SolverError, StudyError
 from rockcli.scene.body.column import Base
 from rockcli.scene.laws.damping import Damping
 from rockcli.scene.numerics import Numerics
@@ -152,3 +152,12 @@ def test_the_amplitude_of_a_search_is_said(study, tmp_path):
     result = invoke("export", study, "--set", "vary.motion.pulse.a_p=[5]", "--out", tmp_path / "out")
     assert result.stderr == ""
     assert "a_p = 5 m/s2" in (tmp_path / "out" / "carry-on" / "opensees" / "case_1.py").read_text()
+
+
+def test_an_inertia_below_that_of_its_line_is_refused():
+    batch = rigid(model="4")
+    below = replace(batch, block=replace(batch.block, inertia=np.full((1, 2), 1.3)))
+    with pytest.raises(SolverError, match=r"inertia = 1\.3 is less than the 1\.33333"):
+        script_of(below, 0)
+    in_one_point = script_of(replace(below, model="3"), 0).case
+    assert in_one_point.number("I_O") == pytest.approx(1.3 * in_one_point.number("m") * 4.0)

@@ -11,6 +11,7 @@ from rockcli.kernels.frame import layout as at
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT
 from rockcli.scene.constants import DENSITY, ELEMENTS, RIGID
+from rockcli.solvers.common.rotary import lacking
 
 Array = NDArray[np.float64]
 
@@ -82,8 +83,7 @@ def structure_of(batch: Batch, case: int, *, fibres: bool) -> Structure:
     length = full / n
     mass = lumped_bar(n, m) if lumped else consistent_bar(n, m, length)
     # the rotary inertia a line of mass lacks; on fibres the base moves by b theta and brings m b^2 itself
-    lacking = inertia * m * R**2 - m * full**2 / 3.0 - (m * b * b if fibres else 0.0)
-    mass[2::3, 0] += lacking / (n + 1)
+    mass[2::3, 0] += lacking(inertia, m, R, full, m * b * b if fibres else 0.0) / (n + 1)
     ahead = np.zeros(3 * (n + 1))
     ahead[0::3] = 1.0
     pull = full_matrix(mass) @ ahead

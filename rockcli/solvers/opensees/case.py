@@ -23,6 +23,7 @@ from rockcli.scene.constants import (
 from rockcli.scene.ground.excitation import Channel, Samples, acceleration
 from rockcli.scene.laws.damping import dashpot_rate
 from rockcli.solvers.common.duration import durations_of
+from rockcli.solvers.common.rotary import lacking
 from rockcli.solvers.common.stepping import check_step
 from rockcli.solvers.flexible.column import check_upright
 
@@ -155,6 +156,8 @@ def case_of(batch: Batch, case: int, *, coarser: float = 1.0) -> CaseOfOpenSees:
     if batch.model in ("4", "flexible"):
         kind = "4 on fibres" if on_fibres and batch.model == "4" else batch.model
         consistent = column is None or column.mass != "lumped"
+        line = 2.0 * R if kind == "4" else 2.0 * h
+        lacking(float(block.inertia[case, LEFT]), m, R, line, m * b * b if on_fibres else 0.0)
         lines.append(("n", ELEMENTS if column is None else column.elements, "elements of the column"))
         if batch.model == "flexible" and column is not None and float(column.zeta[case]) > 0.0:
             lines.append(("zeta", float(column.zeta[case]), "damping ratio of the first clamped mode"))
