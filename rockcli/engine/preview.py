@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rockcli.analysis.measures import peaks
 from rockcli.analysis.uplift import factor_of
@@ -38,8 +37,6 @@ from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.laws.models import DEFORMABLE, MODELS
 from rockcli.study.study import Study
-
-Array = NDArray[np.float64]
 
 SLOW, WIDE = 10.0, 200
 """Estimated time [s], and points on each of two axes, from which `refine` is proposed for a map."""

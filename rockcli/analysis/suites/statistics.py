@@ -33,7 +33,6 @@ from rockcli.storage.contents import Contents, Field, variable_field
 from rockcli.study.study import Over, Study
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 ATTRIBUTE = "ensemble"
 """Root attribute, JSON: axis, along, limits, the fields that belong to it, its sentences (`says` in SI units, `shown`

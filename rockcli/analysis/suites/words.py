@@ -609,8 +609,3 @@ def _members(over: Over, n: int) -> str:
     """`42 records`, `1 sample`, `9 points of T_p`."""
     many = "" if n == 1 else "s"
     return f"{n} {over.axis}{many}" if over.axis in ("record", "sample") else f"{n} point{many} of {over.axis}"
-
-
-def _span(values: NDArray[np.float64]) -> str:
-    low, high = f"{np.min(values):.4g}", f"{np.max(values):.4g}"
-    return low if low == high else f"{low} to {high}"

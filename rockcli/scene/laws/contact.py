@@ -13,8 +13,6 @@ from rockcli.kernels.contact.codes import FLIGHT, REST, ROCK, SLIDE, SLIDE_ROCK
 from rockcli.scene.batch import Batch
 from rockcli.scene.laws.models import MODELS
 
-Array = NDArray[np.float64]
-
 MODES: dict[int, str] = {
     REST: "rest",
     SLIDE: "slide",

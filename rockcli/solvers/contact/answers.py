@@ -28,11 +28,6 @@ SLIPS_STILL = "slips while it rocks still 60/p after the report, where it is lef
 GOES_ON, NO_OUTCOME = "its slide goes on from what is told", "whether it overturns is not known"
 
 
-def frequency(batch: Batch) -> Array:
-    """p of the slower edge, (n,) [rad/s]."""
-    return np.asarray(batch.p.min(axis=1))
-
-
 def answer(
     batch: Batch, raw: Raw, rocking: dict[str, NDArray[Any]], exact: NDArray[np.bool_]
 ) -> tuple[dict[str, NDArray[Any]], list[str]]:

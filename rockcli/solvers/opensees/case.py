@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rockcli.errors import SolverError
 from rockcli.scene.backends import unfit_base
@@ -26,8 +25,6 @@ from rockcli.solvers.common.duration import durations_of
 from rockcli.solvers.common.rotary import lacking
 from rockcli.solvers.common.stepping import check_step
 from rockcli.solvers.flexible.column import check_upright
-
-Array = NDArray[np.float64]
 
 REST = 0.5
 """At rest: not opened beyond `REARM` for this many 1/p after the motion's end."""

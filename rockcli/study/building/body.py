@@ -176,7 +176,7 @@ def _symmetric(numbers: Numbers, block: BlockPart) -> Block:
     """Rectangles of equal edges: one where no size differs from case to case."""
     R = numbers.positive((*BLOCK, "R"))
     h, b = _h(numbers, block), _b(numbers, block)
-    tan_alpha, alpha = _angle(numbers, block)
+    tan_alpha, alpha = _angle(numbers)
     if R is not None and tan_alpha is not None:
         h = R / np.hypot(1.0, tan_alpha)
         b = h * tan_alpha
@@ -227,7 +227,7 @@ def _b(numbers: Numbers, block: BlockPart) -> Any:
     return None if width is None else 0.5 * width
 
 
-def _angle(numbers: Numbers, block: BlockPart) -> tuple[Any, Any]:
+def _angle(numbers: Numbers) -> tuple[Any, Any]:
     """tan(alpha), and alpha where it is what the user gave."""
     alpha = numbers.positive((*BLOCK, "alpha"))
     if alpha is not None:
