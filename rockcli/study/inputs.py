@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
+import io
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,6 +13,8 @@ from rockcli.errors import StudyError
 
 MAX_BYTES = 1_000_000
 """Largest study, table or outline."""
+
+_BEHIND_QUOTES = re.compile(r'"[ \t]+(?=[,\r\n]|\Z)')
 
 
 @dataclass(eq=False)
@@ -62,6 +67,28 @@ def text_of(data: bytes, path: Path) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise StudyError("is no text in UTF-8: save it as CSV in UTF-8", file=path, line=line) from None
+
+
+def csv_rows(data: bytes, path: Path) -> list[tuple[int, list[str]]]:
+    """The rows of a CSV file that hold anything: the line each begins in, and its cells without blanks around them.
+
+    Cells in quotation marks may go over several lines.
+
+    Raises:
+        StudyError: it is no text in UTF-8, or more stands in a cell behind its quotation marks, or they do not end.
+    """
+    text = _BEHIND_QUOTES.sub('"', text_of(data, path))
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
+    rows, begins = [], 1
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                rows.append((begins, cells))
+            begins = reader.line_num + 1
+    except csv.Error as error:
+        raise StudyError(f"is no CSV text: {error}", file=path, line=begins) from None
+    return rows
 
 
 def read_bytes(path: Path, most: int = MAX_BYTES) -> bytes:

@@ -446,7 +446,7 @@ def test_units_of_a_hazard_curve(tmp_path, against, text, unit):
         ("pga [g],rate\n0.1,0.01\n0.2,0.001\n", {"units": "cm/s2"}, "in g, `units` says cm/s2"),
         ("pga [g],rate\n0.1,0.01\n0.2,0.02\n", {}, "csv:3: .*never grow"),
         ("pga [g],rate\n# a note\n0.1,0.01\n\n0.2,-0.02\n", {}, "csv:5: .*not negative"),
-        ("pga [g],rate\n0,0.01\n0.2,0.02\n", {}, "csv:2: .*greater than 0"),
+        ('"pga\n[g]",rate\n0,0.01\n0.2,0.02\n', {}, "csv:3: .*greater than 0"),
         ("pga [g],rate\n0.1,0.01\n0.2,nan\n", {}, "csv:3: .*not finite"),
         ("pga [g],rate\n0.2,0.01\n0.1,0.001\n", {}, "csv:3: .*ascend"),
         ("pga [g],rate\n0.1,0.01\n0.2,abc\n", {}, "'abc' is no number"),

@@ -214,6 +214,7 @@ GOOD = "record,outcome,p\na.txt,1,0.5\nb.txt,stood,0.25\n"
         ("outcome,p\n", None, "no runs"),
         ("", None, "no runs"),
         ('outcome,p\n1,"0.5\n', 2, "no CSV"),
+        ('outcome,p\nmaybe,"0.5\n"\n', 2, "outcome is 'maybe'"),
     ],
 )
 def test_what_is_wrong_is_named(tmp_path, text, line, words):

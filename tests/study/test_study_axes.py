@@ -107,7 +107,7 @@ class TestForms:
     def test_a_cell_may_be_a_list_in_quotation_marks(self, tmp_path):
         """Statues of which the axis of mass is off the middle of the base, beside others."""
         (tmp_path / "t.csv").write_text(
-            'name,h,b,width\nkouros,0.98,"[0.17, 24*cm]",null\nkore,0.9,null,0.4\n', encoding="utf-8"
+            'name,h,b,width\nkouros , 0.98 , "[0.17, 24*cm]" ,null\nkore,0.9,null,0.4\n', encoding="utf-8"
         )
         study = study_of({"block": "t.csv"}, tmp_path, case={"block": {"h": 1.0, "b": 0.2}, "initial": {"theta": 0.01}})
         sides = all_cases(study, lambda b: (b.block.tan_alpha * b.block.h[:, None]).tolist())
@@ -162,6 +162,8 @@ class TestForms:
             ("name,R\na,1\na,2\n", r"t\.csv:3: repeats 'a', which names line 2"),
             ("name,R\na,1\nb,2\nb,2\na,3\n", r"t\.csv:4: repeats 'b', .* line 3: [\s\S]*line 5: repeats 'a'"),
             ('name,R,# note\na,1,"two\nlines"\nb,,x\n', r"t\.csv:4: the cell below 'R' is empty"),
+            ('name,R,# note\na,1,"x\nb,2,y\nc,3,z\n', r"t\.csv:2: is no CSV text: unexpected end"),
+            ('name,R\na,1\nb,"0.2"5\n', r"t\.csv:3: is no CSV text: ',' expected after"),
             ("name,alpha,tan_alpha\na,0.1,0.2\n", "alpha and tan_alpha say the same thing; leave one out$"),
             (
                 "name,height,width,h\na,2,0.5,0.9\n",

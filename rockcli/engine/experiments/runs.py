@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +14,7 @@ from rockcli.analysis.experiments.scores import Index, numbered
 from rockcli.errors import StudyError
 from rockcli.scene.counted import counted
 from rockcli.scene.response import OUTCOMES, overturned
-from rockcli.study.inputs import text_of
+from rockcli.study.inputs import csv_rows
 
 Array = NDArray[np.float64]
 
@@ -201,15 +199,7 @@ def _cells(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
         raise StudyError(f"cannot be read: {error.strerror}", file=path) from None
     if len(data) > _MAX_BYTES:
         raise StudyError(f"is larger than {_MAX_BYTES} bytes", file=path)
-    rows: list[tuple[int, list[str]]] = []
-    try:
-        reader = csv.reader(io.StringIO(text_of(data, path), newline=""), skipinitialspace=True, strict=True)
-        for row in reader:
-            cells = [cell.strip() for cell in row]
-            if any(cells) and not cells[0].startswith("#"):
-                rows.append((reader.line_num, cells))
-    except csv.Error as error:
-        raise StudyError(f"is no CSV text: {error}", file=path, line=reader.line_num) from None
+    rows = [(line, cells) for line, cells in csv_rows(data, path) if not cells[0].startswith("#")]
     if len(rows) < 2:
         raise StudyError("has no runs: expected a line of names, as `record,outcome`, and a line per run", file=path)
     line, head = rows[0]

@@ -5,8 +5,6 @@ A file is a table of two columns, intensity and annual rate, or the hazard curve
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -25,7 +23,7 @@ from rockcli.study.document.dimensions import stated_number
 from rockcli.study.document.expressions import constant, says_its_unit
 from rockcli.study.document.tree import Keys, Map, Source, value_at
 from rockcli.study.document.values import describe
-from rockcli.study.inputs import Inputs, text_of
+from rockcli.study.inputs import Inputs, csv_rows
 from rockcli.study.intensity import bare, period_of
 from rockcli.study.schema import HazardPart, StudyPart
 from rockcli.study.study import Axis, Over
@@ -215,12 +213,7 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
     Raises:
         StudyError: it cannot be read or is no table of a hazard curve.
     """
-    try:
-        text = text_of(inputs.read_beside(path), path)
-        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
-    except csv.Error as error:
-        raise StudyError(f"is no CSV text: {error}", file=path) from None
-    rows = [(i, [cell.strip() for cell in row]) for i, row in enumerate(lines, start=1) if any(map(str.strip, row))]
+    rows = csv_rows(inputs.read_beside(path), path)
     head = next((row for _, row in rows if not row[0].startswith("#")), [])
     if any(cell.startswith("poe-") for cell in head):
         return _openquake(path, rows, site)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Sequence
@@ -20,7 +18,7 @@ from rockcli.study.document.loader import scalar
 from rockcli.study.document.overlay import Setting
 from rockcli.study.document.paths import UNITS
 from rockcli.study.document.tree import Source, Where
-from rockcli.study.inputs import text_of
+from rockcli.study.inputs import csv_rows
 from rockcli.study.study import Given
 
 NOTE = "#"
@@ -58,12 +56,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     path = source.folder / name
     if not path.is_file():
         raise source.placed(where, f"the table {path} does not exist")
-    data = source.inputs.read(name, path)
-    try:
-        lines = _lines(text_of(data, path))
-    except csv.Error as error:
-        raise StudyError(f"is no CSV text: {error}", file=path) from None
-    rows = [(i, [cell.strip() for cell in row]) for i, row in lines if any(map(str.strip, row))]
+    rows = csv_rows(source.inputs.read(name, path), path)
     if rows and len(rows[0][1]) == 1:
         _check_separators(path, *rows[0])
     if len(rows) < 2 or len(rows[0][1]) < 2:
@@ -99,16 +92,6 @@ def read_table(name: str, source: Source, where: Where) -> Table:
     body = [row for _, row in rows[1:]]
     values = [[_value(cell) for cell in row[1:]] for row in body]
     return Table(header[0], rows[0][0], [row[0] for row in body], columns, values, [i for i, _ in rows[1:]], notes)
-
-
-def _lines(text: str) -> list[tuple[int, list[str]]]:
-    """The rows of a table, each with the line it begins in: cells in quotation marks may go over several."""
-    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    rows, begins = [], 1
-    for row in reader:
-        rows.append((begins, row))
-        begins = reader.line_num + 1
-    return rows
 
 
 def _value(cell: str) -> Any:
