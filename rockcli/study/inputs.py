@@ -91,11 +91,11 @@ def csv_rows(data: bytes, path: Path) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def read_bytes(path: Path, most: int = MAX_BYTES) -> bytes:
-    """The bytes of a file, at most so many; raises StudyError."""
+def read_bytes(path: Path, most: int = MAX_BYTES, what: str = "a study file") -> bytes:
+    """The bytes of a file, at most so many; raises StudyError, of a folder that it is not `what`."""
     try:
         if path.is_dir():
-            raise StudyError("is a folder, not a study file", file=path)
+            raise StudyError(f"is a folder, not {what}", file=path)
         with path.open("rb") as stream:
             data = stream.read(most + 1)
     except FileNotFoundError:

@@ -14,7 +14,7 @@ from rockcli.analysis.experiments.scores import Index, numbered
 from rockcli.errors import StudyError
 from rockcli.scene.counted import counted
 from rockcli.scene.response import OUTCOMES, overturned
-from rockcli.study.inputs import csv_rows
+from rockcli.study.inputs import csv_rows, read_bytes
 
 Array = NDArray[np.float64]
 
@@ -189,17 +189,9 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
 
 def _cells(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
     """Line and names of the head, and line and cells of every row."""
-    try:
-        if path.is_dir():
-            raise StudyError("is a folder; expected a table of runs (CSV)", file=path)
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise StudyError("there is no such file", file=path) from None
-    except OSError as error:
-        raise StudyError(f"cannot be read: {error.strerror}", file=path) from None
-    if len(data) > _MAX_BYTES:
-        raise StudyError(f"is larger than {_MAX_BYTES} bytes", file=path)
-    rows = [(line, cells) for line, cells in csv_rows(data, path) if not cells[0].startswith("#")]
+    rows = [
+        row for row in csv_rows(read_bytes(path, _MAX_BYTES, "a table of runs"), path) if not row[1][0].startswith("#")
+    ]
     if len(rows) < 2:
         raise StudyError("has no runs: expected a line of names, as `record,outcome`, and a line per run", file=path)
     line, head = rows[0]
