@@ -89,12 +89,17 @@ def near_a_boundary(batch: Batch, rows) -> np.ndarray:
 LAWS = [key for key in MODELS if key[0] in ("rigid", "linearized", "1", "3")]
 
 
-def assert_same(batch: Batch) -> dict:
-    """Outcomes, peaks, impacts and times as those of the single bodies; what the lanes found."""
+def assert_same(batch: Batch, *, most: float = np.inf, other_impacts: float = 0.05) -> dict:
+    """Outcomes, peaks, impacts and times as those of the single bodies; what the lanes found.
+
+    Args:
+        most: largest error of a peak over alpha; other_impacts: share of cases with another number of impacts.
+    """
     wrong, error, found, exact = differences(batch)
     assert not wrong.any()
     assert np.median(error) <= 1e-10  # of a body that bounces often: conditioning, not truncation
-    assert np.mean(found["n_impacts"] != exact["n_impacts"]) <= 0.05
+    assert error.max() <= most
+    assert np.mean(found["n_impacts"] != exact["n_impacts"]) <= other_impacts
     np.testing.assert_array_equal(np.sign(found["theta_peak"]), np.sign(exact["theta_peak"]))
     for name in ("t_peak", "t_uplift", "t_overturn", "t_end"):
         assert (np.isnan(found[name]) == np.isnan(exact[name])).all(), name
@@ -299,17 +304,20 @@ def test_levels_are_honest():
     assert errors["standard"] <= 1e-10
 
 
-def test_against_an_independent_integrator():
-    values, dt = own()
-    batch = suite(values, dt, [2.0], [1.0], [0.2])
+def assert_as_integrated(batch: Batch, values: np.ndarray, dt: float, within: float) -> None:
+    """Outcomes, and peaks over alpha, as the integrator of `reference` finds them."""
     found = solve(batch).scalars
     for i in range(batch.size):
-        theirs = integrate(
-            body_of(batch.block, batch.damping.eta[i], case=i), values * batch.excitation.horizontal.factor[i], dt
-        )
+        shaken = values * batch.excitation.horizontal.factor[i]
+        theirs = integrate(body_of(batch.block, batch.damping.eta[i], case=i), shaken, dt)
         assert theirs.overturned == (found["outcome"][i] >= OVERTURNED_WITHOUT_IMPACT)
         if not theirs.overturned:
-            assert found["theta_peak_over_alpha"][i] == pytest.approx(theirs.peak_over_alpha, abs=1e-9)
+            assert found["theta_peak_over_alpha"][i] == pytest.approx(theirs.peak_over_alpha, abs=within)
+
+
+def test_against_an_independent_integrator():
+    values, dt = own()
+    assert_as_integrated(suite(values, dt, [2.0], [1.0], [0.2]), values, dt, 1e-9)
 
 
 @pytest.mark.slow

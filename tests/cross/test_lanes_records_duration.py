@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cross.test_lanes_records import LAWS, SCALARS, _lanes_only, differences, own, reference, same_bits_apart, suite
+from cross.test_lanes_records import LAWS, SCALARS, _lanes_only, assert_same, own, reference, same_bits_apart, suite
 from cross.test_lanes_records_forces import assert_forces, everything, uneven
 from reference import body_of, integrate
 
@@ -29,16 +29,10 @@ ANYWHERE = (0.0003, 0.17, 0.2204, 0.25, 0.3121, 0.5, 0.77, 1.0, 1.13)
 """Ends inside a sample, the first one too, at one, at the end of the motion and after it."""
 
 
-def assert_same(batch: Batch) -> dict:
-    """Outcomes, peaks, impacts and times as those of the single bodies; what the lanes found."""
-    wrong, error, found, exact = differences(batch)
-    assert not wrong.any()
-    assert np.median(error) <= 1e-10
-    assert error.max() <= 1e-6  # where it is hit some 300 times
-    assert np.mean(found["n_impacts"] != exact["n_impacts"]) <= 0.02
+def assert_ends(batch: Batch) -> dict:
+    """As `assert_same`, each body to the end of its report; what the lanes found."""
+    found = assert_same(batch, most=1e-6, other_impacts=0.02)  # where it is hit some 300 times
     np.testing.assert_array_equal(found["t_end"], batch.excitation.duration)
-    for name in ("t_peak", "t_uplift", "t_overturn"):
-        assert (np.isnan(found[name]) == np.isnan(exact[name])).all(), name
     return found
 
 
@@ -46,7 +40,7 @@ def assert_same(batch: Batch) -> dict:
 def test_every_law(law):
     values, dt = own()
     batch = suite(values, dt, np.linspace(0.9, 5.0, 10), [0.6, 3.0], [0.1, 0.25], model=law[0], geometry=law[1])
-    assert {0, 1} <= set(assert_same(lasting(batch, ANYWHERE))["outcome"].tolist())
+    assert {0, 1} <= set(assert_ends(lasting(batch, ANYWHERE))["outcome"].tolist())
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.7])
