@@ -58,7 +58,8 @@ def test_a_study_solves_what_the_kernel_does():
 
 def test_friction_of_two_numbers():
     one = solved(block__mu={"static": 0.29, "kinetic": 0.29})
-    assert one.identical(solved(block__mu={"static": 0.29})) or float(one.slide_peak) == float(solved().slide_peak)
+    for same in (solved(block__mu={"static": 0.29}), solved()):
+        assert float(one.slide_peak) == float(same.slide_peak)
     less = solved(block__mu={"static": 0.29, "kinetic": 0.2})
     assert float(less.t_slip) == float(one.t_slip)
     assert float(less.slide_peak) != float(one.slide_peak)
