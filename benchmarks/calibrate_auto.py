@@ -12,8 +12,6 @@ results/calibrate_auto.csv.  About twelve minutes on a core.
 from __future__ import annotations
 
 import argparse
-import csv
-from datetime import date
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from auto_scenes import Array, Scenes, draw
-from machine import machine
+from machine import write_results
 
 from rockcli import kernels
 from rockcli.engine.auto import groups, peak_of, try_rigid
@@ -195,24 +193,8 @@ def main() -> None:
             np.savez(raw_file, **raw)
     tables, rows = fitted(raw)
     write_table(tables, raw)
-    with RESULTS.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        head = [
-            "candidate",
-            "against",
-            "motion",
-            "group",
-            "from",
-            "to",
-            "cheap model",
-            "scenes",
-            "median error",
-            "error",
-        ]
-        writer.writerow([*head, "measured", "machine"])
-        for row in rows:
-            shown = [f"{v:.4g}" if isinstance(v, float) else v for v in row]
-            writer.writerow([*shown, date.today().isoformat(), machine()])
+    head = "candidate", "against", "motion", "group", "from", "to", "cheap model", "scenes", "median error", "error"
+    write_results(RESULTS, head, [[f"{v:.4g}" if isinstance(v, float) else v for v in row] for row in rows])
 
 
 if __name__ == "__main__":

@@ -10,16 +10,14 @@ Writes results/cost_auto.csv.  Some seven minutes on a core.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
-from datetime import date
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
 from auto_scenes import RHO, ROOT
-from machine import machine
+from machine import write_results
 
 import rockcli
 from rockcli import kernels
@@ -128,13 +126,9 @@ def main() -> None:
     for family, study, highest in families():
         rows.append({"family": family, "highest": highest, **measured(study, highest)})
         print({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in rows[-1].items()}, flush=True)
-    with RESULTS.open("w", newline="") as file:
-        head = [*dict.fromkeys(name for row in rows for name in row), "measured", "machine"]
-        writer = csv.DictWriter(file, head, restval="", lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            shown = {k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()}
-            writer.writerow({**shown, "measured": date.today().isoformat(), "machine": machine()})
+    head = list(dict.fromkeys(name for row in rows for name in row))
+    cells = [[row.get(name, "") for name in head] for row in rows]
+    write_results(RESULTS, head, [[f"{v:.3g}" if isinstance(v, float) else v for v in row] for row in cells])
 
 
 if __name__ == "__main__":

@@ -9,16 +9,14 @@ three records that are shipped.  Writes results/default_cost.csv.
 
 from __future__ import annotations
 
-import csv
 import os
 import shutil
 import sys
 import tempfile
 import time
-from datetime import date
 from pathlib import Path
 
-from machine import machine
+from machine import write_results
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = HERE.parent / "records"
@@ -26,7 +24,7 @@ ROUNDS, RECORDS = 3, 42
 
 HEADINGS = (
     "study", "cases", "CPU two [s]", "CPU default [s]", "CPU ratio", "wall two [s]", "wall default [s]", "wall ratio",
-    "records", "measured", "machine",
+    "records",
 )  # fmt: skip
 
 TWO = "save: {histories: false, scalars: [outcome, theta_peak_over_alpha]}\n"
@@ -97,11 +95,7 @@ def main() -> None:
             cpu, wall = ([min(turn[which][kind] for turn in times) for which in range(2)] for kind in range(2))
             rows.append([family, cases, *(f"{x:.2f}" for x in (*cpu, cpu[1] / cpu[0], *wall, wall[1] / wall[0]))])
             print(*rows[-1], sep="  ", flush=True)
-    with (HERE / "results" / "default_cost.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(HEADINGS)
-        for row in rows:
-            table.writerow([*row, len(paths), date.today().isoformat(), machine()])
+    write_results(HERE / "results" / "default_cost.csv", HEADINGS, [[*row, len(paths)] for row in rows])
 
 
 if __name__ == "__main__":

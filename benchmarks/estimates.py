@@ -15,17 +15,16 @@ import os
 import subprocess
 import sys
 import tempfile
-from datetime import date
 from pathlib import Path
 
 import yaml
 from features import COST, CSV, FEATURES, HERE, study_of
-from machine import machine
+from machine import write_results
 
 ROCK = str(Path(sys.executable).parent / "rock")
 HEADINGS = (
     "feature", "motion", "cases", "estimated [CPU s]", "taken [CPU s]", "ratio", "estimated [MB]", "taken [MB]",
-    "ratio of memory", "measured", "machine",
+    "ratio of memory",
 )  # fmt: skip
 
 TAKES, LEAST, MOST = 1.0, 4, 600
@@ -65,10 +64,7 @@ def main() -> None:
                 print(*rows[-1], sep="  ", flush=True)
     if words:
         return
-    with (HERE / "results" / "estimates.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(HEADINGS)
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
+    write_results(HERE / "results" / "estimates.csv", HEADINGS, rows)
 
 
 if __name__ == "__main__":

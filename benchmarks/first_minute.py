@@ -9,16 +9,14 @@ Writes results/first_minute.csv.
 
 from __future__ import annotations
 
-import csv
 import os
 import resource
 import subprocess
 import sys
 import tempfile
-from datetime import date
 from pathlib import Path
 
-from machine import machine
+from machine import write_results
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -74,12 +72,8 @@ def main() -> None:
                 first, second = (cpu(command, environment) for _ in range(2))
                 rows.append([name, way, f"{first:.2f}", f"{second:.2f}", f"{first - second:.2f}"])
                 print(*rows[-1], sep="  ")
-    with (HERE / "results" / "first_minute.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(
-            ["command", "kernels", "first [CPU s]", "second [CPU s]", "difference [s]", "measured", "machine"]
-        )
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
+    head = ["command", "kernels", "first [CPU s]", "second [CPU s]", "difference [s]"]
+    write_results(HERE / "results" / "first_minute.csv", head, rows)
 
 
 if __name__ == "__main__":

@@ -20,14 +20,12 @@ Writes results/flexible_cost.csv.
 
 from __future__ import annotations
 
-import csv
 import importlib.util
 import os
 import resource
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +33,7 @@ os.environ["ROCK_KERNELS"] = "compiled"
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
-from machine import machine
+from machine import write_results
 
 from rockcli.engine.backends import choose
 from rockcli.solvers.flexible import column as columns
@@ -198,13 +196,10 @@ def main() -> None:
                 ends = [*times, f"{apart:.1e}", f"{same:.1e}"]
                 rows.append([*head, theirs, f"{error:.1e}", f"{1e3 * cost:.3g}", setting, f"{small:.1e}", *ends])
                 print(*rows[-1], sep="  ", flush=True)
-    with (HERE / "results" / "flexible_cost.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        heads = ["elements", "error bound", "peer", "its setting", "its error", "its time [ms]", "event solver"]
-        heads += ["its error", "one case [ms]", "ratio", "a case in a sweep of 50 [ms]", "ratio"]
-        heads += ["converged histories apart", "as the same column"]
-        table.writerow([*heads, "measured", "machine"])
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
+    heads = ["elements", "error bound", "peer", "its setting", "its error", "its time [ms]", "event solver"]
+    heads += ["its error", "one case [ms]", "ratio", "a case in a sweep of 50 [ms]", "ratio"]
+    heads += ["converged histories apart", "as the same column"]
+    write_results(HERE / "results" / "flexible_cost.csv", heads, rows)
 
 
 if __name__ == "__main__":

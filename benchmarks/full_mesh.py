@@ -10,15 +10,13 @@ dataset, kernels compiled before.  Needs `ccx`; takes some minutes.  Writes resu
 from __future__ import annotations
 
 import argparse
-import csv
 import resource
 import time
-from datetime import date
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from machine import machine
+from machine import write_results
 
 import rockcli
 
@@ -72,7 +70,7 @@ def main() -> None:
     asked = options.parse_args()
     head = [
         "zeta", "model", "theta_peak/alpha", "peak error [%]", "history error [theta/alpha]",
-        "bending history error [m]", "CPU of the study [s]", "mesh CPU / CPU", "measured", "machine",
+        "bending history error [m]", "CPU of the study [s]", "mesh CPU / CPU",
     ]  # fmt: skip
     rows: list[list[str]] = []
     for zeta in (0.0, 0.01):
@@ -95,10 +93,7 @@ def main() -> None:
                  bends, f"{whole:.4f}", f"{cost / whole:.0f}"]
             )  # fmt: skip
             print(*rows[-1], sep="  ", flush=True)
-    with (HERE / "results" / "full_mesh.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(head)
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
+    write_results(HERE / "results" / "full_mesh.csv", head, rows)
 
 
 def bending_error(reduced: Any, mesh: Any) -> float:

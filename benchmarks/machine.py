@@ -1,9 +1,12 @@
-"""The machine a figure was measured on, for the result tables."""
+"""Tables of results: each figure with the date and the machine it was measured on."""
 
 from __future__ import annotations
 
+import csv
 import os
 import platform
+from collections.abc import Iterable, Sequence
+from datetime import date
 from pathlib import Path
 
 
@@ -17,3 +20,11 @@ def machine() -> str:
                 name = line.split(":", 1)[1].strip()
                 break
     return f"{name}, {os.cpu_count()} cores, Python {platform.python_version()}"
+
+
+def write_results(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a csv of what was measured, with `measured` and `machine` as its last columns."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow([*head, "measured", "machine"])
+        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)

@@ -14,29 +14,26 @@ all of them in every command, half a second.
 from __future__ import annotations
 
 import argparse
-import csv
 import os
 import sys
 import tempfile
-from datetime import date
 from pathlib import Path
 from time import perf_counter, process_time
 
 import numpy as np
-from machine import machine
+from machine import write_results
 
 from rockcli.motion.at2 import at2_text
 from rockcli.motion.reading import read_record, ready_for
 
 HERE = Path(__file__).resolve().parent
 HEADINGS = (
-    "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "load before", "measured",
-    "machine",
+    "study", "saved", "cases", "wall [s]", "CPU [s]", "cases/s", "reading [CPU s]", "workers", "load before",
 )  # fmt: skip
 
 PAIRED = (
     "study", "saved", "before [CPU s]", "after [CPU s]", "ratio", "before, wall [s]", "after, wall [s]", "ratio, wall",
-    "cases/s", "workers", "rounds", "load before", "measured", "machine",
+    "cases/s", "workers", "rounds", "load before",
 )  # fmt: skip
 
 RECORDS, FEWER = 3000, 490
@@ -132,15 +129,10 @@ def main() -> None:
                 rows.append([title, saved, cases, f"{wall:.2f}", f"{cpu:.2f}", f"{cases / wall:.0f}", f"{floor:.2f}"])
                 print(*rows[-1], sep="  ", flush=True)
     if options.before is not None:
-        with (HERE / "results" / "many_records_paired.csv").open("w", newline="", encoding="utf-8") as file:
-            table = csv.writer(file, lineterminator="\n")
-            table.writerow(PAIRED)
-            table.writerows([*row, options.rounds, load, date.today().isoformat(), machine()] for row in pairs)
+        path = HERE / "results" / "many_records_paired.csv"
+        write_results(path, PAIRED, [[*row, options.rounds, load] for row in pairs])
         return
-    with (HERE / "results" / "many_records.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(HEADINGS)
-        table.writerows([*row, options.workers, load, date.today().isoformat(), machine()] for row in rows)
+    write_results(HERE / "results" / "many_records.csv", HEADINGS, [[*row, options.workers, load] for row in rows])
 
 
 if __name__ == "__main__":

@@ -12,13 +12,11 @@ whole ones are kept too.  Needs `ccx`.  Writes results/partial_uplift.csv.
 from __future__ import annotations
 
 import argparse
-import csv
 import json
-from datetime import date
 from pathlib import Path
 from typing import Any
 
-from machine import machine
+from machine import write_results
 
 import rockcli
 
@@ -113,17 +111,14 @@ def main() -> None:
         for name, how in MODELS.items()
     }
     mesh = 0.5 * (found["mesh 4 x 40"]["low"] + found["mesh 4 x 40"]["high"])
-    with TABLE.open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(
-            ["model", "stands at [a_p/(g tan alpha)]", "overturns at", "against the mesh [%]", "impacts before", "runs",
-             "measured", "machine"]
-        )  # fmt: skip
-        for name, row in found.items():
-            against = 100.0 * (0.5 * (row["low"] + row["high"]) / mesh - 1.0)
-            cells = [name, f"{row['low']:.4f}", f"{row['high']:.4f}", f"{against:+.1f}", row["impacts"], row["runs"]]
-            table.writerow([*cells, date.today().isoformat(), machine()])
-            print(*cells, sep="  ")
+    rows = []
+    for name, row in found.items():
+        against = 100.0 * (0.5 * (row["low"] + row["high"]) / mesh - 1.0)
+        cells = [name, f"{row['low']:.4f}", f"{row['high']:.4f}", f"{against:+.1f}", row["impacts"], row["runs"]]
+        rows.append(cells)
+        print(*cells, sep="  ")
+    head = ["model", "stands at [a_p/(g tan alpha)]", "overturns at", "against the mesh [%]", "impacts before", "runs"]
+    write_results(TABLE, head, rows)
 
 
 if __name__ == "__main__":

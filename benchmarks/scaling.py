@@ -10,16 +10,14 @@ machine does besides changes a run by a tenth.  Writes results/scaling.csv.
 from __future__ import annotations
 
 import argparse
-import csv
 import subprocess
 import sys
 import tempfile
-from datetime import date
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from machine import machine
+from machine import write_results
 
 HERE = Path(__file__).resolve().parent
 TABLE = HERE / "results" / "scaling.csv"
@@ -81,10 +79,7 @@ def main() -> None:
         ratio = median(a / b for a, b in zip(*spent.values(), strict=True))
         rows.append([name, f"{one:.1f}", given.workers, f"{many:.1f}", f"{ratio:.2f}"])
         print(*rows[-1], sep="; ", flush=True)
-    with TABLE.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["map", "one worker [s]", "workers", "they take [s]", "ratio", "measured", "machine"])
-        table.writerows([*row, date.today().isoformat(), machine()] for row in rows)
+    write_results(TABLE, ["map", "one worker [s]", "workers", "they take [s]", "ratio"], rows)
 
 
 if __name__ == "__main__":

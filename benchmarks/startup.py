@@ -8,16 +8,14 @@ and with their figures.  Writes results/startup.csv.
 
 from __future__ import annotations
 
-import csv
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from datetime import date
 from pathlib import Path
 
-from machine import machine
+from machine import write_results
 
 HERE = Path(__file__).resolve().parent
 STUDY = HERE.parent / "studies" / "examples" / "first_rock.yaml"
@@ -75,15 +73,14 @@ def main() -> None:
             for name, command in commands.items():
                 times[name].append(seconds(command))
     base = statistics.median(times["bare typer program --help"][1:])
-    with (HERE / "results" / "startup.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["command", "median [s]", "min [s]", "max [s]", "over bare typer", "measured", "machine"])
-        for name, all_runs in times.items():
-            runs = all_runs[1:]  # the first warms the disk
-            median = statistics.median(runs)
-            row = [name, *(f"{x:.3f}" for x in (median, min(runs), max(runs))), f"{median / base:.2f}"]
-            table.writerow([*row, date.today().isoformat(), machine()])
-            print(*row, sep="  ")
+    rows = []
+    for name, all_runs in times.items():
+        runs = all_runs[1:]  # the first warms the disk
+        median = statistics.median(runs)
+        rows.append([name, *(f"{x:.3f}" for x in (median, min(runs), max(runs))), f"{median / base:.2f}"])
+        print(*rows[-1], sep="  ")
+    head = ["command", "median [s]", "min [s]", "max [s]", "over bare typer"]
+    write_results(HERE / "results" / "startup.csv", head, rows)
 
 
 if __name__ == "__main__":

@@ -9,16 +9,14 @@ Writes results/tables.csv.
 
 from __future__ import annotations
 
-import csv
 import os
 import subprocess
 import sys
 import tempfile
 import time
-from datetime import date
 from pathlib import Path
 
-from machine import machine
+from machine import write_results
 
 HERE = Path(__file__).resolve().parent
 CASES = 10_000_000
@@ -84,22 +82,8 @@ def main() -> None:
             for p in Path(folder).glob("t.*"):
                 p.unlink()
             print(*rows[-1], sep="  ", flush=True)
-    with (HERE / "results" / "tables.csv").open("w", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(
-            [
-                "table",
-                "cases",
-                "wall [s]",
-                "peak memory [MB]",
-                "beyond 100 cases [MB]",
-                "file [MB]",
-                "measured",
-                "machine",
-            ]
-        )
-        for row in rows:
-            table.writerow([*row, date.today().isoformat(), machine()])
+    head = ["table", "cases", "wall [s]", "peak memory [MB]", "beyond 100 cases [MB]", "file [MB]"]
+    write_results(HERE / "results" / "tables.csv", head, rows)
 
 
 if __name__ == "__main__":

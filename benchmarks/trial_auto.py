@@ -12,14 +12,13 @@ results/trial_auto.csv.  Some six minutes on a core; what auto costs is measured
 from __future__ import annotations
 
 import csv
-from datetime import date
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from auto_scenes import Array, Scenes, draw
-from machine import machine
+from machine import write_results
 
 import rockcli
 from rockcli import kernels
@@ -143,14 +142,9 @@ def main() -> None:
     """Run the trial and write what came of it."""
     kernels.load(compile_them=True)
     rows = trial(SEED, PER_SHAPE, RECORDS, PER_RECORD, TOLERANCES, WINKLER_EVERY) + searches(SEED, SEARCHES, 0.02)
-    head = [*rows[0], "measured", "machine"]
-    with RESULTS.open("w", newline="") as file:
-        writer = csv.DictWriter(file, head, restval="", lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            shown = {k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()}
-            print(shown)
-            writer.writerow({**shown, "measured": date.today().isoformat(), "machine": machine()})
+    shown = [{k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows]
+    print(*shown, sep="\n")
+    write_results(RESULTS, list(rows[0]), [[row.get(name, "") for name in rows[0]] for row in shown])
 
 
 if __name__ == "__main__":
