@@ -15,7 +15,6 @@ kept as they stand.
 
 from __future__ import annotations
 
-import csv
 import sys
 from dataclasses import dataclass, replace
 from datetime import date
@@ -25,6 +24,7 @@ from time import process_time
 import accuracy_scenes as scenes
 import numpy as np
 from machine import machine
+from pages import read_rows, write_rows, write_section
 
 from rockcli import kernels
 from rockcli.scene.batch import Batch, Save
@@ -201,13 +201,6 @@ def verdict(rows: list[dict[str, str]], level: str, estimate: str) -> str:
     return f"- `{level}`: {wrong} of {decided} outcomes wrong{most}; {unresolved} of {cases} unresolved."
 
 
-def read_rows() -> tuple[list[dict[str, str]], str]:
-    """Rows and the stamp of the csv."""
-    with CSV.open(encoding="utf-8", newline="") as file:
-        stamp = file.readline().removeprefix("# ").strip()
-        return list(csv.DictReader(file)), stamp
-
-
 def main() -> None:
     kernels.load(compile_them=True)
     own = sorted((HERE.parent / "records").glob("*.AT2"))
@@ -220,7 +213,7 @@ def main() -> None:
         "chaotic trains": (list(scenes.chaotic_trains()), 0),
         "flexible columns": (list(scenes.columns()), 0),
     }
-    kept = read_rows()[0] if CSV.exists() else []
+    kept = read_rows(CSV)[0] if CSV.exists() else []
     rows = [row for name, (batches, independent) in sets.items() for row in measured(name, batches, independent)]
     if len(sys.argv) > 1:
         scales = np.concatenate([np.linspace(1.05, 4.0, 96), [1.2, 1.6, 2.0, 2.6]])
@@ -228,15 +221,8 @@ def main() -> None:
     else:
         rows += [row for row in kept if row["scenes"] == RECORDED]
     stamp = f"Measured {date.today().isoformat()} on {machine()}, one core, compiled."
-    with CSV.open("w", encoding="utf-8", newline="") as file:
-        file.write(f"# {stamp}\n")
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    text = PAGE.read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    PAGE.write_text("\n".join([before + BEGIN, *lines_of(rows, stamp), END]) + after, encoding="utf-8")
+    write_rows(CSV, stamp, COLUMNS, rows)
+    write_section(PAGE, BEGIN, END, lines_of(rows, stamp))
     print(f"wrote {CSV} and {PAGE}")
 
 

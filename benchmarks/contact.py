@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from machine import machine
+from pages import write_section
 
 import rockcli
 
@@ -118,11 +119,9 @@ def main() -> None:
         writer.writerows([f"{x:.6g}" if isinstance(x, float) else x for x in row] for row in rows)
     n, seconds = map_seconds()
     said = f"{len(files)} records, PGA {asked.times:g} g tan(alpha), {rows[0][1]} cases a line; {machine()}."
-    page = PAGE.read_text(encoding="utf-8")
-    inside = f"{BEGIN}\n{table(rows)}\n\n{said}\nA map of mu and amplitude of {n} pulses: {seconds:.0f} s.\n{END}"
-    before, rest = page.split(BEGIN)
-    PAGE.write_text(before + inside + rest.split(END)[1], encoding="utf-8")
-    print(inside)
+    lines = [table(rows), "", said, f"A map of mu and amplitude of {n} pulses: {seconds:.0f} s."]
+    write_section(PAGE, BEGIN, END, lines)
+    print(*lines, sep="\n")
 
 
 if __name__ == "__main__":

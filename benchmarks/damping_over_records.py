@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from machine import machine
+from pages import write_section
 
 import rockcli
 
@@ -98,10 +99,7 @@ def write_page(rows: list[list[Any]]) -> None:
     for block, scheme, n, median, high, signed, stand, same, falls, stands, unresolved, _ in rows:
         words = f"{stand} | {same} of {n} | {falls} / {stands}, {unresolved} |"
         lines.append(f"| {block} | {scheme} | {median} % | {high} % | {signed} % | {words}")
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    text = "\n".join([before + BEGIN, *lines, "", f"Measured {date.today().isoformat()}.", END])
-    PAGE.write_text(text + rest.split(END)[1], encoding="utf-8")
+    write_section(PAGE, BEGIN, END, [*lines, "", f"Measured {date.today().isoformat()}."])
 
 
 def main() -> None:

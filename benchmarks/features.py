@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from machine import machine
+from pages import write_section
 from rolling import outline
 
 import rockcli
@@ -306,9 +307,7 @@ def main() -> None:
             table = csv.DictWriter(file, headings, lineterminator="\n")
             table.writeheader()
             table.writerows(lines)
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    after = rest.split(END)[1]
-    PAGE.write_text("\n".join([before + BEGIN, "", *lines_of(rows), "", END]) + after, encoding="utf-8")
+    write_section(PAGE, BEGIN, END, ["", *lines_of(rows), ""])
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import xarray
+from pages import section, write_section
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 BEGIN, END = "<!-- literature: begin -->", "<!-- literature: end -->"
@@ -243,9 +244,7 @@ def lines_of(folder: Path, table: str) -> list[str]:
 def main() -> None:
     if len(sys.argv) != 2:
         sys.exit("usage: python benchmarks/literature.py FOLDER_OF_RESULTS")
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    table, after = rest.split(END)
-    PAGE.write_text("\n".join([before + BEGIN, *lines_of(Path(sys.argv[1]), table), END]) + after, encoding="utf-8")
+    write_section(PAGE, BEGIN, END, lines_of(Path(sys.argv[1]), section(PAGE, BEGIN, END)))
     print(f"wrote {PAGE}")
 
 

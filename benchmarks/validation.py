@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import xarray
+from pages import section, write_section
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 BEGIN, END = "<!-- claims: begin -->", "<!-- claims: end -->"
@@ -317,13 +318,11 @@ def row(claim: Claim, folder: Path, standing: dict[str, str]) -> str:
 def main() -> None:
     if len(sys.argv) != 2:
         sys.exit("usage: python benchmarks/validation.py FOLDER_OF_RESULTS")
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    table, after = rest.split(END)
+    table = section(PAGE, BEGIN, END)
     standing = {line.split("|")[1].strip(): line for line in table.splitlines() if line.startswith("|")}
     lines = ["| Fig. | the thesis says | measured | result |", "| --- | --- | --- | --- |"]
     lines += [row(claim, Path(sys.argv[1]), standing) for claim in CLAIMS]
-    PAGE.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+    write_section(PAGE, BEGIN, END, lines)
     print(f"wrote {PAGE}")
 
 

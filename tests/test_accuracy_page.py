@@ -2,50 +2,35 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from pathlib import Path
 
 import pytest
+from scripts import benchmark
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="module")
-def benchmarks():
-    """The scripts that make the page, by name."""
-    before = set(sys.modules)
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        yield {name: importlib.import_module(name) for name in ("accuracy_levels", "certainty")}
-    finally:
-        sys.path.remove(str(ROOT / "benchmarks"))
-        for name in ("accuracy_levels", "accuracy_scenes", "certainty", "certainty_scenes", "long_double", "machine"):
-            if name not in before:
-                sys.modules.pop(name, None)
+def levels():
+    with benchmark("accuracy_levels") as script:
+        yield script
 
 
 @pytest.fixture(scope="module")
-def levels(benchmarks):
-    return benchmarks["accuracy_levels"]
+def certainty():
+    with benchmark("certainty") as script:
+        yield script
 
 
-@pytest.fixture(scope="module")
-def certainty(benchmarks):
-    return benchmarks["certainty"]
-
-
-@pytest.mark.parametrize("name", ["accuracy_levels", "certainty"])
-def test_the_page_is_made_of_the_csv(benchmarks, name):
-    script = benchmarks[name]
-    rows, stamp = script.read_rows()
+def test_the_page_is_made_of_the_csv(levels, certainty):
     text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
-    section = text.split(script.BEGIN)[1].split(script.END)[0].strip()
-    assert section == "\n".join(script.lines_of(rows, stamp))
+    for script in (levels, certainty):
+        section = text.split(script.BEGIN)[1].split(script.END)[0].strip()
+        assert section == "\n".join(script.lines_of(*levels.read_rows(script.CSV)))
 
 
 def test_a_changed_row_is_seen(levels):
-    rows, stamp = levels.read_rows()
+    rows, stamp = levels.read_rows(levels.CSV)
     changed = [dict(rows[0], wrong=str(int(rows[0]["wrong"]) + 1)), *rows[1:]]
     assert levels.lines_of(changed, stamp) != levels.lines_of(rows, stamp)
 
@@ -70,7 +55,7 @@ ROUNDING = 1e-15
 
 
 def test_what_the_page_claims_of_standard(levels):
-    rows, _ = levels.read_rows()
+    rows, _ = levels.read_rows(levels.CSV)
     standard = {row["scenes"]: row for row in rows if (row["level"], row["estimate"]) == ("standard", "yes")}
     assert set(standard) >= set(LEAST)
     for scenes, row in standard.items():
@@ -87,7 +72,7 @@ def test_what_the_page_claims_of_standard(levels):
 
 
 def test_the_sentence_on_standard_counts_as_the_csv_does(levels):
-    rows, _ = levels.read_rows()
+    rows, _ = levels.read_rows(levels.CSV)
     standard = [row for row in rows if (row["level"], row["estimate"]) == ("standard", "yes")]
     decided, cases, left_open = (sum(int(row[key]) for row in standard) for key in ("decided", "cases", "unresolved"))
     chaotic = next(row["unresolved"] for row in standard if row["scenes"] == "chaotic trains")
@@ -98,8 +83,8 @@ def test_the_sentence_on_standard_counts_as_the_csv_does(levels):
     assert sentence.replace("_", " ") in page
 
 
-def test_what_the_page_claims_of_certainty(certainty):
-    rows, _ = certainty.read_rows()
+def test_what_the_page_claims_of_certainty(levels, certainty):
+    rows, _ = levels.read_rows(certainty.CSV)
     families = [r for r in rows if r["level"] == "standard" and not r["scenes"].startswith(certainty.SUITES)]
     assert sum(int(r["cases"]) for r in families) >= 10_000
     assert sum(int(r["wrong"]) for r in families) <= 1e-4 * sum(int(r["certain"]) for r in families)

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from pathlib import Path
 
 import pytest
+from scripts import benchmark
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="module")
 def script():
-    before = set(sys.modules)
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        yield importlib.import_module("features")
-    finally:
-        sys.path.remove(str(ROOT / "benchmarks"))
-        for name in {"features", "machine"} - before:
-            sys.modules.pop(name, None)
+    with benchmark("features") as features:
+        yield features
 
 
 def test_the_page_is_made_of_the_csv(script):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scripts import benchmark
 
 import rockcli
 from rockcli.engine.auto import decide, groups, peak_of, try_rigid
@@ -329,11 +328,10 @@ def test_rows_of_a_batch_are_those_cases() -> None:
 
 @pytest.mark.slow
 def test_scenes_the_calibration_has_not_seen_keep_the_tolerance() -> None:
-    sys.path.insert(0, str(Path(rockcli.__file__).parent.parent / "benchmarks"))
-    from trial_auto import trial
-
     tolerances = {"pulse": (0.02,), "record": (0.02,)}
-    for row in trial(seed=3, per_shape=10, records=3, per_record=20, tolerances=tolerances, every=1):
+    with benchmark("trial_auto") as script:
+        rows = script.trial(seed=3, per_shape=10, records=3, per_record=20, tolerances=tolerances, every=1)
+    for row in rows:
         assert row["scenes"] == 60
         assert row["kept"] >= 58, row
         assert row["on a cheaper model"] > (10 if row["body"] == "column on winkler" else 15), row

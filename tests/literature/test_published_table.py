@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scenes import SHARED
+from scripts import benchmark
 
 from rockcli.engine.run import run_study, solve
 from rockcli.study.building.records import MissingRecordError
@@ -27,14 +26,8 @@ def _records_beside_the_checkout(monkeypatch):
 
 @pytest.fixture(scope="module")
 def literature():
-    spec = importlib.util.spec_from_file_location("literature", ROOT / "benchmarks" / "literature.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["literature"] = module
-    spec.loader.exec_module(module)
-    yield module
-    sys.modules.pop("literature", None)
+    with benchmark("literature") as script:
+        yield script
 
 
 @pytest.mark.slow
