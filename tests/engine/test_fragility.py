@@ -75,6 +75,47 @@ def test_one_state_is_the_clustered_probit_of_statsmodels(median, beta, fit):
     np.testing.assert_allclose(got[2:], expected[2:], rtol=1e-3)
 
 
+def crossed(records=15, samples=12, seed=4):
+    """Categories of members under `records`, of `samples` that they share, capacities at random by both; rows, samples."""
+    draw = np.random.default_rng(seed)
+    ln = 0.2 * draw.standard_normal((records, 1)) + 0.4 * draw.standard_normal((1, samples))
+    capacity = 3.0 * np.exp(ln + 0.2 * draw.standard_normal((records, samples))).ravel()
+    rows, shared = np.repeat(np.arange(records), samples), np.tile(np.arange(samples), records)
+    return capacity, (capacity[:, None] < X).astype(np.int64), rows, shared
+
+
+def test_samples_that_records_share_are_clustered_as_by_statsmodels():
+    sm = pytest.importorskip("statsmodels.api")
+    _, category, rows, shared = crossed()
+    n, k = category.shape
+    model = sm.Probit(category.ravel().astype(float), sm.add_constant(np.tile(np.log(X), n)))
+    of_both = []
+    for groups in (rows, shared, np.arange(n)):
+        group = {"groups": np.repeat(groups, k), "use_correction": False}
+        found = model.fit(disp=0, method="newton", tol=1e-12, cov_type="cluster", cov_kwds=group)
+        j = len(np.unique(groups))
+        of_both.append(found.cov_params() * j / (j - 1))
+    (a, b), covariance = found.params, of_both[0] + of_both[1] - of_both[2]
+    expected = [math.sqrt(v @ covariance @ v) for v in (np.array([-1.0 / b, a / b**2]), np.array([0.0, -1.0 / b**2]))]
+    alone = seen(category)
+    made = curves(Seen(alone.x, alone.low, alone.high, alone.weight, rows, shared=shared), 1)
+    np.testing.assert_allclose([made.se_ln_median[0], made.se_beta[0]], expected, rtol=1e-3)
+
+
+def test_medians_hold_the_truth_where_records_share_samples():
+    held = np.zeros(2)
+    for seed in range(40):
+        capacity, category, rows, shared = crossed(seed=seed)
+        found = curves(
+            Seen(*(getattr(seen(category), of) for of in ("x", "low", "high", "weight")), rows, shared=shared), 1
+        )
+        searched = curve_of_capacities(capacity, capacity, rows, shared=shared)
+        for i, made in enumerate((found, searched)):
+            low, high = made.median_limits()
+            held[i] += low[0] <= 3.0 <= high[0]
+    assert (held > 33).all()
+
+
 def test_nested_states_are_the_ordered_probit_of_statsmodels():
     ordinal = pytest.importorskip("statsmodels.miscmodels.ordinal_model")
     category = suite(medians=(1.5, 3.0, 3.6), beta=0.4)

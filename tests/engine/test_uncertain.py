@@ -228,6 +228,47 @@ def test_samples_of_one_record_are_not_independent():
     assert probability(share, np.arange(1000)).se[0] == pytest.approx(0.5 / np.sqrt(999.0))
 
 
+def test_samples_that_records_share_are_not_as_many_as_both():
+    """Records that all answer alike: the share is known as well as from the samples of one."""
+    hit = np.arange(16) % 4 == 0
+    share, rows, samples = (
+        np.tile(hit, 20)[None].astype(float),
+        np.repeat(np.arange(20), 16),
+        np.tile(np.arange(16), 20),
+    )
+    # squares of samples, and of all members, which are 20 times as many
+    expected = np.sqrt(hit.std(ddof=1) ** 2 / 16 - 0.25 * 0.75 / 319)
+    assert probability(share, rows).se[0] < 1e-12
+    assert probability(share, rows, samples).se[0] == pytest.approx(max(expected, hit.std(ddof=1) / 4.0))
+
+
+@pytest.mark.parametrize(
+    ("records", "samples", "of_records", "of_samples"), [(20, 20, 1, 1), (42, 16, 0.1, 1), (20, 200, 0.3, 1)]
+)
+def test_limits_hold_the_truth_where_records_share_samples(records, samples, of_records, of_samples):
+    draw, many = np.random.default_rng(1), 800
+    away = (
+        0.4
+        + of_records * draw.standard_normal((many, records, 1))
+        + of_samples * draw.standard_normal((many, 1, samples))
+    )
+    fell = away + 0.3 * draw.standard_normal((many, records, samples)) > 0.0
+    p = stats.norm.cdf(0.4 / np.sqrt(of_records**2 + of_samples**2 + 0.3**2))
+    rows, shared = np.repeat(np.arange(records), samples), np.tile(np.arange(samples), records)
+    told = probability(fell.reshape(many, -1).astype(float), rows, shared)
+    assert 0.94 < np.mean((told.low <= p) & (p <= told.high)) < 0.99
+    assert np.sqrt(np.mean(told.se**2)) == pytest.approx(told.value.std(), rel=0.1)
+
+
+def test_a_suite_with_samples_clusters_by_both():
+    """Of three masses, which change nothing, a share has the error that its samples give."""
+    alone, over = (
+        study(samples=40, sampling="random"),
+        {"vary": {"block.mass": [1.0, 2.0, 3.0]}, "over": ["mass", "sample"]},
+    )
+    assert float(rockcli.run(alone | over).p_overturned_se) == pytest.approx(float(rockcli.run(alone).p_overturned_se))
+
+
 def test_records_and_samples_are_one_ensemble():
     inputs = {"block.b": {"normal": [0.3, 0.02]}}
     files = ["synthetic_rock_m65.AT2", "synthetic_soil_m70.AT2"]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rockcli.analysis.fragility.interval_likelihood import (
     Likelihood,
     clustered_covariance,
+    covariance_of_shared,
     interval_likelihood,
     maximum,
 )
@@ -33,11 +34,13 @@ class Capacities:
     Attributes:
         low, high: (n,), -inf and inf where there is no bound.
         member: (n,) whose it is: those of one are not independent.
+        shared: (n,) which sample, drawn for all members together, it belongs to; None = there are none.
     """
 
     low: Array
     high: Array
     member: Index
+    shared: Index | None = None
 
 
 def fit(seen: Capacities) -> tuple[Array, Array] | None:
@@ -58,6 +61,8 @@ def fit(seen: Capacities) -> tuple[Array, Array] | None:
         return None
     x, gradient, bend = peak
     covariance = clustered_covariance(gradient, bend, seen.member)
+    if seen.shared is not None:
+        covariance = covariance + covariance_of_shared(gradient, bend, seen.member, seen.shared)
     back = np.array([[1.0 / spread, 0.0], [centre / spread, 1.0]])
     return back @ x, back @ covariance @ back.T
 

@@ -62,6 +62,7 @@ class Seen:
         low, high: (n, k) lowest and highest category a member may be in: the number of limit states it exceeds.
         weight: (n, k) 0 left out, 1 whole.
         rows: (n,) which members belong together and are not independent; None = each is independent.
+        shared: (n,) which sample, drawn for all rows together, a member belongs to; None = there are none.
         second: (n, k) a second intensity, of which only what is positive counts; None = there is none.
     """
 
@@ -71,6 +72,7 @@ class Seen:
     weight: Array
     rows: Index | None = None
     second: Array | None = None
+    shared: Index | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +209,8 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
     if seen.second is not None and use.any():
         y = np.log(seen.second[use])
         u, second_at = np.column_stack([u, y - y.mean()]), float(np.exp(y.mean()))
-    rows = Rows(u, seen.low[use], seen.high[use], seen.weight[use], who[use])
+    shared = None if seen.shared is None else np.broadcast_to(seen.shared[:, None], seen.x.shape)[use]
+    rows = Rows(u, seen.low[use], seen.high[use], seen.weight[use], who[use], shared)
     status = np.array([_status(rows, j) for j in range(states)], dtype=np.int8)
     status[beneath] = BELOW
     if u.shape[1] == 2 and np.linalg.matrix_rank(u - u.mean(axis=0), tol=1e-9 * len(u) ** 0.5) < 2:
@@ -228,16 +231,20 @@ def too_weak(x: Array, begins_at: float) -> NDArray[np.bool_]:
     return np.asarray(x <= begins_at * (1.0 + 1e-9))
 
 
-def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float = 0.0) -> Curves:
+def curve_of_capacities(
+    low: Array, high: Array, member: Index, begins_at: float = 0.0, shared: Index | None = None
+) -> Curves:
     """The curve of one limit state from the capacities of members: the intensities from which they exceed it.
 
     Args:
         low, high: (n,) each is above `low` and at most `high`, the same where it is known; NaN is left out.
         member: (n,) which belong together.
         begins_at: intensity at and below which nothing can exceed it.
+        shared: (n,) as of `Seen`.
     """
     use = ~(np.isnan(low) | np.isnan(high))
     low, high, member = low[use], high[use], member[use]
+    shared = None if shared is None else shared[use]
     status = FITTED
     if not np.isfinite(high).any():
         status = NONE_EXCEEDS
@@ -250,13 +257,14 @@ def curve_of_capacities(low: Array, high: Array, member: Index, begins_at: float
         return found
     with np.errstate(divide="ignore"):
         ends = [np.log(np.maximum(end - begins_at, 0.0)) for end in (low, high)]
-    fitted = fit_capacities(Capacities(ends[0], ends[1], member))
+    fitted = fit_capacities(Capacities(ends[0], ends[1], member, shared))
     if fitted is None:
         found.status[0] = SEPARABLE
         return found
     (a, b), covariance = fitted
     # a probit of slope a and cut b
-    _put(found, np.array([0]), np.array([0]), Probit(np.array([a]), np.array([b]), covariance))
+    probit = Probit(np.array([a]), np.array([b]), covariance, np.zeros_like(covariance))
+    _put(found, np.array([0]), np.array([0]), probit)
     _judge_capacities(ends[0], ends[1], member, found)
     return replace(found, median=begins_at + found.median)
 
@@ -305,7 +313,8 @@ def _each_alone(rows: Rows, into: Curves) -> None:
     for j in np.flatnonzero(into.status == FITTED):
         known = (rows.low > j) | (rows.high <= j)
         above = (rows.low[known] > j).astype(np.int64)
-        alone = Rows(rows.u[known], above, above, rows.weight[known], rows.member[known])
+        shared = None if rows.shared is None else rows.shared[known]
+        alone = Rows(rows.u[known], above, above, rows.weight[known], rows.member[known], shared)
         _put(into, np.array([j]), np.array([0]), ordered_probit(alone, 1))
 
 
@@ -325,7 +334,7 @@ def _ordinal(rows: Rows, into: Curves) -> None:
     alone = [int(j) for j in there if into.status[j] == SEPARABLE]
     # categories counted by the groups they lie above
     low, high = (np.searchsorted(cut, of, side="left").astype(np.int64) for of in (rows.low, rows.high))
-    grouped = Rows(rows.u, low, high, rows.weight, rows.member)
+    grouped = Rows(rows.u, low, high, rows.weight, rows.member, rows.shared)
     _put(into, there, np.array(group), ordered_probit(grouped, len(cut)))
     if rows.u.shape[1] == 1:
         for j in alone:
@@ -368,6 +377,7 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
         spread = moved
         if found.without is not None:
             spread = jackknife_covariance(_moves(found, pick, jacobian))
+            spread = spread + jacobian @ found.of_shared[np.ix_(pick, pick)] @ jacobian.T
         into.jackknife[state, :3] = spread[0, 0], spread[0, 1], spread[1, 1]
         into.correlation[state] = moved[0, 1] / (se[0] * se[1]) if se.all() else np.nan
         if len(found.slopes) == 2:
@@ -378,7 +388,8 @@ def _put(into: Curves, states: Index, cuts: Index, found: Probit | None) -> None
             into.jackknife[state, 3] = into.se_exponent[state] ** 2
             if found.without is not None:
                 along = (found.without[:, :2] - found.slopes) @ gradient
-                into.jackknife[state, 3] = float(jackknife_covariance(along[:, None])[0, 0])
+                of_shared = float(gradient @ found.of_shared[:2, :2] @ gradient)
+                into.jackknife[state, 3] = float(jackknife_covariance(along[:, None])[0, 0]) + of_shared
 
 
 def _moves(found: Probit, pick: list[int], jacobian: Array) -> Array:

@@ -108,6 +108,21 @@ def clustered_covariance(gradient: Array, bend: Array, member: NDArray[np.int64]
     return np.asarray(inverse @ (score.T @ score) @ inverse * (n / (n - 1)))
 
 
+def covariance_of_shared(gradient: Array, bend: Array, member: NDArray[np.int64], shared: NDArray[np.int64]) -> Array:
+    """What samples that all members share add to `clustered_covariance`, (k, k) (Cameron, Gelbach and Miller 2011).
+
+    The covariance clustered by sample less that of sample and member, without what of it is negative.
+
+    Args:
+        gradient, bend, member: as of `clustered_covariance`.
+        shared: (rows,) which sample a row belongs to.
+    """
+    _, both = np.unique(np.stack([member, shared]), axis=1, return_inverse=True)
+    more = clustered_covariance(gradient, bend, shared) - clustered_covariance(gradient, bend, both.ravel())
+    values, vectors = np.linalg.eigh(0.5 * (more + more.T))
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
+
+
 def moves_without_members(gradient: Array, bends: Array, member: NDArray[np.int64]) -> Array | None:
     """How the estimate moves without each member, (members, k), in one Newton step (Bell and McCaffrey 2002, CR3).
 

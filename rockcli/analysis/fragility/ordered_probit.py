@@ -3,7 +3,7 @@
 A member at intensities u is in category j or above with probability Phi(s.u - t_j), t_1 <= t_2 <= ...: one slope for
 all states, so their curves never cross (McCullagh 1980; with one state the ordinary probit).  A row may be known to lie
 in a range of categories only.  The same member is seen at every intensity, so rows are no independent trials: the
-covariance is clustered by member (Liang and Zeger 1986), with the factor n/(n - 1).
+covariance is clustered by member (Liang and Zeger 1986), with the factor n/(n - 1), and by samples that members share.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from rockcli.analysis.fragility.interval_likelihood import (
     Likelihood,
     bends_of_members,
     clustered_covariance,
+    covariance_of_shared,
     interval_likelihood,
     maximum,
     moves_without_members,
@@ -44,6 +45,7 @@ class Rows:
         low, high: (r,) lowest and highest category it may be in, of 0 ... states.
         weight: (r,) > 0.
         member: (r,) whose row it is.
+        shared: (r,) which sample, drawn for all members together, a row belongs to; None = there are none.
     """
 
     u: Array
@@ -51,6 +53,7 @@ class Rows:
     high: Index
     weight: Array
     member: Index
+    shared: Index | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +63,7 @@ class Probit:
     Attributes:
         slopes, cuts: (d,) and (states,).
         covariance: of both in this order, (d + states, d + states).
+        of_shared: the part of it that comes from samples that members share.
         without: both as they are without each member, (members, d + states), by a step from the estimate or by a fit;
             None where that is not known.
         fitted: without which members it is by a fit, (members,).
@@ -68,6 +72,7 @@ class Probit:
     slopes: Array
     cuts: Array
     covariance: Array
+    of_shared: Array
     without: Array | None = None
     fitted: NDArray[np.bool_] | None = None
 
@@ -92,7 +97,9 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
         return None
     x, gradient, bend = peak
     x[:d][np.abs(x[:d]) < _FLAT] = 0.0
-    covariance = clustered_covariance(gradient, bend, rows.member)
+    covariance, of_shared = clustered_covariance(gradient, bend, rows.member), np.zeros_like(bend)
+    if rows.shared is not None:
+        of_shared = covariance_of_shared(gradient, bend, rows.member, rows.shared)
     bends = bends_of_members(*_ends(x, upper, lower, rows, states), rows.weight, rows.member)
     moves = moves_without_members(gradient, bends, rows.member)
     fitted = None
@@ -103,7 +110,8 @@ def ordered_probit(rows: Rows, states: int) -> Probit | None:
     back[d:, :d] = centre / spread
     moved = back @ x
     without = None if moves is None else (x + moves) @ back.T
-    return Probit(moved[:d], moved[d:], back @ covariance @ back.T, without, fitted)
+    whole, part = (back @ of @ back.T for of in (covariance + of_shared, of_shared))
+    return Probit(moved[:d], moved[d:], whole, part, without, fitted)
 
 
 def _maximum(x: Array, upper: Array, lower: Array, rows: Rows) -> tuple[Array, Array, Array] | None:

@@ -13,7 +13,7 @@ from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_cap
 from rockcli.analysis.places import json_point, json_value
 from rockcli.analysis.suites.intensity import moves_at, unit_of, values_of
 from rockcli.analysis.suites.members import Members
-from rockcli.analysis.suites.uncertainty import independent_rows
+from rockcli.analysis.suites.uncertainty import Together, members_together
 from rockcli.analysis.threshold_fields import found_by
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.ground.amplitudes import AMPLITUDES
@@ -112,14 +112,14 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     fitted = _Fitted.empty((*shape, len(labels)), (*FITTED, *(OF_SECOND if over.second else ())))
     second_at = np.full(shape, np.nan)
     exceeded = []
-    rows = independent_rows(study, over)
+    together = members_together(study, over)
     for states, of_family in _families(limits):
         top = len(of_family) + 1
         low, high = _categories(contents, became, of_family)
         parts |= {"low": of_bodies(low), "high": of_bodies(high)}
         for at in np.ndindex(*shape):
             one = {name: values[at] for name, values in parts.items()}
-            second_at[at] = _fit_body(fitted, at, states, one, top, rows, float(begins[at]), over)
+            second_at[at] = _fit_body(fitted, at, states, one, top, together, float(begins[at]), over)
         exceeded.append((states, _shares(parts, top)[: len(states)]))
     unit = unit_of(over.told_against, contents)
     fields = {LIMIT: Field((LIMIT,), text(labels), {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True)}
@@ -152,7 +152,7 @@ def _fit_body(
     states: Index,
     one: dict[str, Array],
     top: int,
-    rows: Index,
+    together: Together,
     begins: float,
     over: Over,
 ) -> float:
@@ -162,17 +162,17 @@ def _fit_body(
         states: its limit states, places among those of the suite.
         one: parts of the body, (n, k) each.
         top: the category of what overturns.
-        rows: which members belong together, (n,).
+        together: which members belong together.
         begins: where its curves begin.
     """
-    made = curves(_seen(one, top, rows), top, fit=over.fit, begins_at=begins)
+    made = curves(_seen(one, top, together), top, fit=over.fit, begins_at=begins)
     fitted.put(at, states, made, over.beta_added)
     missing = (one["stands"] == 0.0) & (one["falls"] == 0.0)
     missing &= ~too_weak(one["x"], begins)  # without an answer, but nothing moves there
     for end, category in (("low", top), ("high", 0)):
         median = made.median
         if missing.any():
-            counted = _seen(one, top, rows, missing, category)
+            counted = _seen(one, top, together, missing, category)
             median = curves(counted, top, fit=over.fit, begins_at=begins).median
         fitted.numbers[f"fragility_median_{end}"][at][states] = median[: len(states)]
     return made.second_at
@@ -208,10 +208,10 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     low = np.where(low > 0.0, low, 0.0)
     begins, last = _begins_of_search(contents, study, over, per_point, order)
     low, high = low.transpose(order), high.transpose(order)
-    rows, first = independent_rows(study, over), np.zeros(1, dtype=np.int64)
+    together, first = members_together(study, over), np.zeros(1, dtype=np.int64)
     fitted = _Fitted.empty((*begins.shape, 1))
     for at in np.ndindex(*begins.shape):
-        made = curve_of_capacities(low[at], high[at], rows, float(begins[at]))
+        made = curve_of_capacities(low[at], high[at], together.rows, float(begins[at]), together.shared)
         fitted.put(at, first, made, over.beta_added)
         for end in ("low", "high"):  # no member is left out
             fitted.numbers[f"fragility_median_{end}"][at] = made.median
@@ -282,13 +282,13 @@ def _families(limits: list[Limit]) -> Iterator[tuple[Index, list[Limit]]]:
 def _seen(
     one: dict[str, Array],
     top: int,
-    rows: Index,
+    together: Together,
     missing: NDArray[np.bool_] | None = None,
     category: int = 0,
 ) -> Seen:
     """Rows of one body: a member whose runs part is two, the part that overturns and the part that stands.
 
-    `missing` members are put into a `category`; `rows`: which members belong together.
+    `missing` members are put into a `category`; `together`: which members belong together.
     """
     low, high, weight = one["low"].astype(np.int64), one["high"].astype(np.int64), one["stands"]
     if missing is not None:
@@ -301,8 +301,9 @@ def _seen(
         np.concatenate([low, over], axis=1),
         np.concatenate([high, over], axis=1),
         np.concatenate([weight, one["falls"]], axis=1),
-        rows,
+        together.rows,
         np.concatenate([one["second"], one["second"]], axis=1) if "second" in one else None,
+        together.shared,
     )
 
 

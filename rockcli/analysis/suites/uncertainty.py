@@ -2,7 +2,8 @@
 
 Standard errors count independent rows.  Points of a Latin hypercube or a scrambled Sobol sequence count as random ones,
 which is conservative: n points of a Latin hypercube never vary more than n - 1 random ones (Owen 1997, SIAM J. Numer.
-Anal. 34(5)).  Points of Saltelli's design that share inputs are one row, and so are the samples of one record.
+Anal. 34(5)).  Points of Saltelli's design that share inputs are one row.  Over several records these are the rows, and
+what the samples, which all records share, add to their scatter is added (Cameron, Gelbach and Miller 2011).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.study.study import SAMPLE, Over, Study, Uncertain
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 PROBABILITY = ("p_overturned_se", "p_overturned_ci_low", "p_overturned_ci_high")
 
@@ -49,8 +51,24 @@ class Probability:
     high: Array
 
 
-def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
+@dataclass(frozen=True, eq=False)
+class Together:
+    """Which members of an ensemble belong together and are not independent, (n,) each, from 0.
+
+    Attributes:
+        rows: the row of every member.
+        shared: the sample of every member, drawn for all rows together; None without, or where samples are the rows.
+    """
+
+    rows: Index
+    shared: Index | None = None
+
+
+def probability(share: Array, rows: Index, shared: Index | None = None) -> Probability:
     """The mean of shares along the last axis, NaN left out, with the error of a mean of independent rows.
+
+    Where rows share samples its square is the sum of that of rows and of samples less that of members on their own, and
+    neither of the first two is above it.
 
     Limits by Clopper and Pearson (1934) for as many members as would have this error, and for fewer where there are few
     rows to tell it from: times the square of Student's t of the members over that of the rows (Korn and Graubard 1998).
@@ -58,20 +76,21 @@ def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
 
     Args:
         share: (..., n) in [0, 1], NaN without an answer.
-        rows: (n,) row of every member, from 0.
+        rows, shared: (n,) which members are not independent, as of `Together`.
     """
     from scipy.special import betaincinv, stdtrit
 
     known = ~np.isnan(share)
-    j = int(rows.max()) + 1
     n = known.sum(axis=-1)
     p = np.where(known, share, 0.0).sum(axis=-1) / n
     away = np.where(known, share - p[..., None], 0.0)
-    of_rows, answers = (np.zeros((j, *share.shape[:-1])) for _ in range(2))
-    np.add.at(of_rows, rows, np.moveaxis(away, -1, 0))
-    np.add.at(answers, rows, np.moveaxis(known.astype(float), -1, 0))
-    se = np.sqrt(j / max(j - 1, 1) * (of_rows**2).sum(axis=0)) / n
-    there, tail = (answers > 0.0).sum(axis=0).astype(float), 0.5 * (1.0 - CONFIDENCE)
+    square, there = _scatter(away, known, rows)
+    if shared is not None:
+        of_samples, samples = _scatter(away, known, shared)
+        on_their_own, _ = _scatter(away, known, np.arange(share.shape[-1]))
+        square = np.maximum(square + of_samples - on_their_own, np.maximum(square, of_samples))
+        there = np.minimum(there, samples)
+    se, tail = np.sqrt(square) / n, 0.5 * (1.0 - CONFIDENCE)
     few = stdtrit(np.maximum(n - 1.0, 1.0), tail) / stdtrit(np.maximum(there - 1.0, 1.0), tail)
     told = se > ROUNDING
     many = np.where(told, p * (1.0 - p) * (few / np.where(told, se, 1.0)) ** 2, there)
@@ -80,6 +99,15 @@ def probability(share: Array, rows: NDArray[np.int64]) -> Probability:
     high = np.where(p < 1.0, betaincinv(hits + 1.0, np.maximum(many - hits, 1e-300), 1.0 - tail), 1.0)
     empty = n == 0
     return Probability(*(np.where(empty, np.nan, values) for values in (p, se, low, high)))
+
+
+def _scatter(away: Array, known: NDArray[np.bool_], rows: Index) -> tuple[Array, Array]:
+    """Sum of the squares of what j rows are away from the mean, times j/(j - 1), and how many rows have an answer."""
+    j = int(rows.max()) + 1
+    of_rows, answers = (np.zeros((j, *away.shape[:-1])) for _ in range(2))
+    np.add.at(of_rows, rows, np.moveaxis(away, -1, 0))
+    np.add.at(answers, rows, np.moveaxis(known.astype(float), -1, 0))
+    return j / max(j - 1, 1) * (of_rows**2).sum(axis=0), (answers > 0.0).sum(axis=0).astype(float)
 
 
 def sobol_indices(f: Array) -> tuple[Array, Array, Array, Array]:
@@ -122,7 +150,8 @@ def with_samples(contents: Contents, became: Members, study: Study, over: Over) 
     sizes = tuple(next(axis.size for axis in study.axes if axis.name == name) for name in over.axes)
     which = np.unravel_index(np.arange(int(np.prod(sizes))), sizes)[over.axes.index(SAMPLE)]
     share = np.moveaxis(became.share, place, -1)
-    found = probability(share, independent_rows(study, over))
+    together = members_together(study, over)
+    found = probability(share, together.rows, together.shared)
     added = {
         name: variable_field(name, rest, values)
         for name, values in zip(PROBABILITY, (found.se, found.low, found.high), strict=True)
@@ -146,25 +175,27 @@ def with_samples(contents: Contents, became: Members, study: Study, over: Over) 
     return added
 
 
-def independent_rows(study: Study, over: Over) -> NDArray[np.int64]:
-    """Of every member of an ensemble the row that it belongs to, (n,): members of one row are not independent.
+def members_together(study: Study, over: Over) -> Together:
+    """Which members of an ensemble are not independent.
 
     Of several axes a row is a record, whatever else is made of it (directions, signs), without records a point of the
-    first axis that has several points and is not that of samples; else of samples each is a row, of Saltelli's design
-    those that share inputs.
+    first axis that has several points and is not that of samples, and samples are shared by all rows; else of samples
+    each is a row.  Points of Saltelli's design that share inputs are one sample.
     """
     axes = [next(axis for axis in study.axes if axis.name == name) for name in over.axes]
     sizes = tuple(axis.size for axis in axes)
     places = np.unravel_index(np.arange(int(np.prod(sizes))), sizes)
+    samples = None
+    if SAMPLE in over.axes:
+        samples, n = np.asarray(places[over.axes.index(SAMPLE)]), sizes[over.axes.index(SAMPLE)]
+        if study.uncertain is not None:
+            samples = samples % base_points(study.uncertain.sampling, n, len(study.uncertain.inputs))
     several = [i for i, axis in enumerate(axes) if axis.name != SAMPLE and axis.size > 1]
     if several:
         of_records = (i for i in several if axes[i].path.rsplit(".", 1)[-1] in ("file", "record"))
-        return np.asarray(places[next(of_records, several[0])])
-    at = np.asarray(places[-1] if SAMPLE not in over.axes else places[over.axes.index(SAMPLE)])
-    if study.uncertain is None or SAMPLE not in over.axes:
-        return at
-    n = sizes[over.axes.index(SAMPLE)]
-    return at % base_points(study.uncertain.sampling, n, len(study.uncertain.inputs))
+        rows = np.asarray(places[next(of_records, several[0])])
+        return Together(rows, None if samples is None or samples.max() == 0 else samples)
+    return Together(np.asarray(places[-1]) if samples is None else samples)
 
 
 def _blocks(values: Array, uncertain: Uncertain, over: Over, sizes: tuple[int, ...]) -> Array:
