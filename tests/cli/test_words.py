@@ -198,7 +198,7 @@ def test_one_of_a_kind_is_told_as_one(rock, tmp_path, capsys):
     block, pulse = {"R": 2.0, "tan_alpha": 0.2}, {"shape": "half_sine", "a_p": 3, "T_p": 1}
     one = {"case": {"block": block, "motion": {"pulse": pulse, "duration": 1.2}, "solver": {"accuracy": "draft"}}}
     drawn = rockcli.run(one | {"audit": True})
-    assert "\"the case again, draft -> standard: 0 other outcomes, 0 peaks" in drawn.attrs["audit"]
+    assert '"the case again, draft -> standard: 0 other outcomes, 0 peaks' in drawn.attrs["audit"]
     words = " ".join(text.get_text() for text in rockcli.plot(drawn, "histories").texts)
     assert ", 1 impact" in words
     assert "1 impacts" not in words
