@@ -244,8 +244,8 @@ def test_bodies_of_settings_and_datasets_lift_by_their_own_gravity(tmp_path: Pat
         lifts = data["pga"].where(data["outcome"] > 0).min(data["outcome"].dims[1:])
         assert (lifts.values > np.multiply(levels, 9.81)).all()
         assert {fact.what: fact.value for fact in facts_of(data)}["lifts from"] == "0.033 to 0.2 g"
-    foot = rockcli.run({"case": case | {"g": "5.315*ft"}, "vary": over, "save": {"histories": False}})
-    assert rockcli.plot(foot, "map").axes[0].lines[-1].get_ydata()[0] == pytest.approx(0.2 * 5.315 * 0.3048 / 9.81)
+    foot = rockcli.run({"case": case | {"g": "5.315*ft/s**2"}, "vary": over, "save": {"histories": False}})
+    assert rockcli.plot(foot, "map").axes[0].lines[-1].get_ydata()[0] == pytest.approx(0.2)
     suite = rockcli.run({"case": case, "vary": settings | over, "over": "T_p", "save": {"histories": False}})
     across = [line for a in rockcli.plot(suite, "ida").axes for line in a.lines if list(line.get_xdata()) == [0, 1]]
     assert [line.get_ydata()[0] for line in across] == pytest.approx([0.2, 0.2 * 1.62 / 9.81])
@@ -305,6 +305,24 @@ def test_maps_of_several_datasets_have_uplift_of_their_own_edges_and_damping() -
     for sets, levels in (([plain, edges], [0.2, 0.3]), ([fema, plain], [0.3, 0.2]), ([edges, fema], [0.3, 0.3])):
         lines = [line for axes in rockcli.plot(sets, "map").axes for line in axes.lines if line.get_gid() == "uplift"]
         assert [line.get_ydata()[0] for line in lines] == pytest.approx(levels)
+
+
+@pytest.mark.parametrize("x", ["T_p", "W_over_Mg"])
+def test_fema_356_has_its_own_line_over_g_tan_alpha(x: str) -> None:
+    """The procedure leaves at rest what lies below W/Mg, to the next point of the map."""
+    pulse = {"shape": "half_sine", "a_p_over_g_tan_alpha": 2.0, "T_p": 1.0}
+    five = {"T_p": {"from": 0.5, "to": 1.5, "n": 5}, "W_over_Mg": {"from": 0.8, "to": 2.0, "n": 5}}[x]
+    across = f"{'motion.pulse' if x == 'T_p' else 'damping'}.{x}"
+    damping = {"scheme": "fema356", "W_over_Mg": 1.5}
+    case = {"block": {"h": 1.0, "b": 0.2}, "motion": {"pulse": pulse}, "damping": damping}
+    over = {"motion.pulse.a_p_over_g_tan_alpha": {"from": 0.5, "to": 3.0, "n": 26}}
+    data = rockcli.run({"case": case, "vary": over | {across: five}, "save": {"histories": False}})
+    (line,) = [one for one in rockcli.plot(data, "map").axes[0].lines if one.get_gid() == "uplift"]
+    levels = np.asarray(line.get_ydata())[1:-1]
+    still = (data["outcome"] == 0).transpose("a_p_over_g_tan_alpha", x).values
+    lowest = np.where(still, data["a_p_over_g_tan_alpha"].values[:, None], 0.0).max(axis=0)
+    np.testing.assert_allclose(levels, data["W_over_Mg"].values if x == "W_over_Mg" else 1.5)
+    assert ((lowest > levels - 0.1) & (lowest < levels + 0.1)).all()
 
 
 VERTICAL = {"pulse": {"shape": "sine", "a_p": 0.5 * 9.81, "T_p": 0.3}}

@@ -187,10 +187,10 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
     over = role.endswith("_over_g_tan_alpha")
     if two_edged(dataset):
         levels = _of_two_edges(dataset, x, y, over=over)
-    elif over and "uplift_factor" in dataset.variables:
-        return False
     elif over and "tan" in lifts_word(dataset):
         levels = [np.ones(dataset.sizes[x])]
+        if "uplift_factor" in dataset.variables:
+            levels = [_over(dataset, factor, (x,))] if {*(factor := dataset["uplift_factor"]).dims} <= {x} else []
     elif "alpha" in dataset.variables and {*(lifts := lifts_from(dataset)).dims} <= {x}:
         alpha = dataset["alpha"].values
         shown = alpha / np.tan(alpha) if over else lifts.values / shown_unit(dataset, y)[0]
