@@ -76,7 +76,7 @@ def export(
         say(f"rock: {study.name}: {many}: {why}", err=True)
     if written and study.search is not None:
         axis = study.search.axis
-        begins = f"the scripts have {axis.path} = {axis.values[0]:g}, where its search begins"
+        begins = f"the scripts have {axis.path} = {study.search.first:g}, where its search begins"
         said[f"{begins}: for others --set 'vary.{axis.path}=[VALUE, ...]'"] = None
     for words in said:
         warn(study.name, words)

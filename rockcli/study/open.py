@@ -34,7 +34,7 @@ from rockcli.study.cases.axes import read_axes
 from rockcli.study.cases.cases import Cases
 from rockcli.study.cases.hazard_curves import read_hazard
 from rockcli.study.cases.refined_axes import RECORDS, read_refine
-from rockcli.study.cases.searched_range import Search, make_search, searched
+from rockcli.study.cases.searched_range import Search, doubted_range, make_search, searched
 from rockcli.study.cases.suite_axes import doubted_limits, of_search, read_over
 from rockcli.study.cases.uncertain import placed, read_uncertain
 from rockcli.study.cases.variation import Variation
@@ -157,6 +157,7 @@ def open_study(
             *((RULES_OF_TWO_EDGES,) if found.rolling and part.rules else ()),
             *found.plausibility_warnings(tree, int(np.prod(cases.shape, dtype=np.int64))),
             *doubted_limits(part.over, over, found.unheld),
+            *doubted_range(search),
             *((RECORDS,) if refine and found.uses else ()),
             *((NOT_SCORED,) if part.score is not None else ()),
         ),

@@ -221,7 +221,7 @@ class CaseSource(Protocol):
 
 
 class Searched(CaseSource, Protocol):
-    """A range searched for overturning; as a source of cases, those at its lowest point.
+    """A range searched for overturning; as a source of cases, those at the point `first`.
 
     Attributes:
         axis: the scanned points, ascending; not a dimension of the dataset.
@@ -236,6 +236,11 @@ class Searched(CaseSource, Protocol):
     @property
     def name(self) -> str:
         """Of the result."""
+        ...
+
+    @property
+    def first(self) -> float:
+        """The lowest scanned point above zero, as no motion has an amplitude of zero; without one the lowest."""
         ...
 
     @property

@@ -311,3 +311,36 @@ class TestSuites:
         assert np.isnan(found[f"{A_P}_mean"])
         (warning,) = (w for w in json.loads(found.attrs["warnings"]) if "without an answer" in w)
         assert warning.startswith("1 of 3 searches")
+
+
+@pytest.mark.parametrize(("low", "intensity"), [(0.0, None), (-0.1 * G, None), (0.0, "pgv")])
+def test_fragility_of_a_range_from_zero_is_that_of_one_above_it(low, intensity):
+    """At an amplitude of 0 no motion says where it lifts a body, and turned round it is another one."""
+    pulse = {"shape": "sine", "a_p": 1.0, "T_p": 1.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    over = {"axis": "T_p"} | ({} if intensity is None else {"intensity": intensity})
+    found = {}
+    for begin in (low, 0.05 * G):
+        span = {"from": begin, "to": 5.0 * G, "n": 60, "find": "overturning"}
+        vary = {"motion.pulse.T_p": {"from": 0.5, "to": 2.0, "n": 12}, "motion.pulse.a_p": span}
+        found[begin] = rockcli.run({"case": case, "vary": vary, "over": over})
+        warned = "begins below 0, and the lowest value" in found[begin].attrs["warnings"]
+        assert warned is (begin < 0.0)
+    one, other = found.values()
+    np.testing.assert_allclose(one[A_P], other[A_P], rtol=3e-6)
+    for name in ("fragility_begins_at", "fragility_intensity", "fragility_percentile"):
+        np.testing.assert_allclose(one[name], other[name], rtol=3e-6)
+    if intensity is None:
+        assert float(one["fragility_begins_at"]) == pytest.approx(0.2 * G)
+
+
+def test_a_motion_turned_round_is_searched_along_a_symbol():
+    """About two edges of .3 and .2: the lowest amplitude to one side is that of the mirrored body to the other."""
+    found = []
+    for edges, a_p in (([0.3, 0.2], "-k"), ([0.2, 0.3], "k"), ([0.3, 0.2], "k")):
+        motion = {"pulse": {"shape": "half_sine", "a_p": a_p, "T_p": 1.0}}
+        vary = {"let.k": {"from": 0.0, "to": 2.0 * G, "n": 21, "find": "overturning"}}
+        case = {"block": {"h": 1.0, "b": edges}, "motion": motion}
+        found.append(float(rockcli.run({"let": {"k": 1}, "case": case, "vary": vary})["k_overturning"]))
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+    assert abs(found[0] / found[2] - 1.0) > 0.05

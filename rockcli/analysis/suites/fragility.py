@@ -217,7 +217,7 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
             fitted.numbers[f"fragility_median_{end}"][at] = made.median
     unit = search.axis.unit if over.told_against == search.axis.name else unit_of(over.told_against, contents)
     known = np.where(np.isfinite(found.value), found.value * per_point, np.nan)
-    ends = np.multiply.outer(per_point, np.array(search.axis.values)[[0, -1]])
+    ends = np.multiply.outer(per_point, np.array([search.first, search.axis.values[-1]]))
     of_body = dict(zip(OF_BODY, (begins, last, *_range(ends.transpose([*order, ends.ndim - 1]))), strict=True))
     capacity = {"units": unit, "long_name": f"{over.told_against} from which a member overturns"}
     labels = text([over.limit_states[-1]])
@@ -233,7 +233,7 @@ def _per_point(contents: Contents, study: Study, over: Over) -> Array | None:
     if over.told_against == study.search.axis.name:
         return np.ones(contents.shape)
     first = values_of(over.told_against, contents, study)  # of the cases at the first point
-    return None if first is None else np.broadcast_to(first / study.search.axis.values[0], contents.shape)
+    return None if first is None else np.broadcast_to(first / study.search.first, contents.shape)
 
 
 def _begins_of_search(
@@ -245,7 +245,7 @@ def _begins_of_search(
     if over.begins_at != "uplift" or pga is None:
         none = np.zeros([contents.shape[i] for i in order[:-1]])
         return none, none
-    amplitude = study.search.axis.values[0] * moves_at(study, slides=False).reshape(contents.shape) / pga
+    amplitude = study.search.first * moves_at(study, slides=False).reshape(contents.shape) / pga
     needs = (amplitude * per_point).transpose(order)
     lowest, highest = needs.min(axis=-1), needs.max(axis=-1)
     known = np.isfinite(lowest)

@@ -33,6 +33,15 @@ class Search:
     _cases: Cases
 
     @property
+    def _place(self) -> int:
+        return next((i for i, value in enumerate(self.axis.values) if value > 0.0), 0)
+
+    @property
+    def first(self) -> float:
+        """The lowest scanned point above zero, as no motion has an amplitude of zero; without one the lowest."""
+        return float(self.axis.values[self._place])
+
+    @property
     def prescreens(self) -> tuple[str, ...]:
         """Names of the pre-screens beside the value found: from the first uplift, and for the worst excursion."""
         path = self.axis.path.removeprefix("case.").split(".")
@@ -61,9 +70,9 @@ class Search:
             yield flat % k, batch
 
     def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
-        """Yield (flat indices, batch) of the study's cases at the lowest scanned point (a `CaseSource`)."""
+        """Yield (flat indices, batch) of the study's cases at the point `first` (a `CaseSource`)."""
         m = self.axis.size
-        for flat, batch in self._cases.batches(np.asarray(indices) * m):
+        for flat, batch in self._cases.batches(np.asarray(indices) * m + self._place):
             yield flat // m, batch
 
 
@@ -77,6 +86,16 @@ def searched(source: Source, study: Map, variations: Sequence[Variation]) -> Var
     if len(found) > 1:
         raise source.error(study, ("vary", found[1].axis.path), "is a second range to search; only one can be")
     return found[0] if found else None
+
+
+def doubted_range(search: Search | None) -> Iterator[str]:
+    """A sentence where amplitudes of both signs, or of the other one, are searched for the lowest."""
+    if search is not None and search.prescreens and min(search.axis.values) < 0.0:
+        yield (
+            f"the range searched of {search.axis.path} begins below 0, and the lowest value of it that overturns is "
+            "the one farthest below, no smallest strength: search from 0 up, for the motion turned round with "
+            "`polarity: -1` of a record or, of a pulse, along `let.k` in `a_p: -k`"
+        )
 
 
 def make_search(cases: Cases, variation: Variation) -> Search:
