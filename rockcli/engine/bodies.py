@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,6 +13,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.models import DEFORMABLE, MODELS
 from rockcli.study.study import Axis, Study
+from rockcli.study.unused import names_in
 
 _POINTS = 3
 """Points of an axis that are named of a body that stands at several."""
@@ -113,10 +113,15 @@ def _is_of_motion(axis: Axis, study: Study) -> bool:
     """Whether an axis leaves the body as it is: one of the motion, or of a symbol that only the motion speaks of."""
     if not axis.path.startswith("let."):
         return axis.path.startswith("motion")
-    said = [study.resolved["case"], *(study.resolved.get(key) or {} for key in ("let", "vary", "uncertain"))]
-    speak = [value for part in said for key, value in part.items() if not key.startswith("motion") and key != axis.path]
+    let = study.resolved.get("let") or {}
+    said = [study.resolved["case"], *(study.resolved.get(key) or {} for key in ("vary", "uncertain"))]
+    speak = [value for part in said for key, value in part.items() if not key.startswith("motion")]
     speak += [each.values.tolist() for one in study.axes for each in one.given if not each.path.startswith("motion")]
-    return re.search(rf"\b{axis.path.removeprefix('let.')}\b", str(speak)) is None
+    found, waiting = set[str](), set(names_in(speak))
+    while waiting:  # what a symbol is made of is spoken of too
+        found |= waiting
+        waiting = {name for one in waiting for name in names_in(let.get(one))} - found
+    return axis.path.removeprefix("let.") not in found
 
 
 def _numbers(batch: Batch) -> dict[str, NDArray[np.float64]]:

@@ -45,8 +45,8 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
     """A sentence per symbol of `let` that no expression of the cases needs, directly or through other symbols."""
     let = study.get("let") or {}
     variations = list(variations)
-    used = set(_names(study.get("case")))
-    used |= set(_names(study.get("vary")))
+    used = set(names_in(study.get("case")))
+    used |= set(names_in(study.get("vary")))
     varied: dict[str, list[Any]] = {name: [text] for name, text in let.items()}
     for variation in variations:
         if variation.path[0] == "let":
@@ -56,10 +56,10 @@ def unused_symbols(study: Map, variations: Iterable[Variation]) -> list[str]:
                 if path[0] == "let":
                     varied.setdefault(path[1], []).append(value)
                 else:
-                    used |= set(_names(value))
+                    used |= set(names_in(value))
     waiting = [name for name in varied if name in used]
     while waiting:
-        for name in _names(varied[waiting.pop()]):
+        for name in names_in(varied[waiting.pop()]):
             if name in varied and name not in used:
                 waiting.append(name)
             used.add(name)
@@ -265,14 +265,14 @@ def _left(
     return left, by
 
 
-def _names(value: Any) -> Iterator[str]:
+def names_in(value: Any) -> Iterator[str]:
     """Names in every text of a tree that is an expression."""
     if isinstance(value, dict):
         for item in value.values():
-            yield from _names(item)
+            yield from names_in(item)
     elif isinstance(value, list):
         for item in value:
-            yield from _names(item)
+            yield from names_in(item)
     elif isinstance(value, str):
         try:
             yield from parse(value).names

@@ -163,6 +163,9 @@ def test_what_model_auto_will_take_is_what_it_takes(
         ({}, "motion.record.pga", 1.0, 1.0, [50, 50]),
         ({"k": 1}, "let.k", "k*0.3*g", 1.0, [50, 50]),
         ({"k": 1, "q": "2*k"}, "let.k", "k*0.3*g", "q", [2]),
+        ({"k": 1, "q": "2*k"}, "let.k", "q*0.3*g", 1.0, [50, 50]),
+        ({"n": 1}, "let.n", "n*0.3*g", 1.0, [50, 50]),
+        ({"n": 1, "q": "w*n", "w": 1}, "let.n", "0.3*g", "q", [2]),
     ],
 )
 def test_bodies_are_counted_by_cases_whatever_varies_their_motion(
@@ -176,4 +179,4 @@ def test_bodies_are_counted_by_cases_whatever_varies_their_motion(
     found = preview(open_study({"name": "x", "let": let, "case": case, "vary": vary})).bodies
     assert [row["cases"] for row in found][: len(cases)] == cases
     assert len(found) == (2 if R == 1.0 else min(50, looked_at // 2))
-    assert all(("k=" in row["body"]) is (R == "q") for row in found)
+    assert all(("k=" in row["body"] or "n=" in row["body"]) is (R == "q") for row in found)
