@@ -143,6 +143,14 @@ def test_one_of_several_is_said_of_in_the_singular() -> None:
     assert rockcli.plot(data, "curve").get_label().count("1 value of") == 1
 
 
+def test_a_motion_that_is_cut_off_is_not_called_weak() -> None:
+    """3 g would lift the body after the first millisecond, the last of this motion."""
+    pulse = {"shape": "sine", "a_p": 30.0, "T_p": 1.0}
+    data = rockcli.run({"case": {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse, "duration": 0.001}}})
+    assert int(data["outcome"]) == 0
+    assert sentence_of(data) == "The body stays at rest: the motion does not lift it."
+
+
 def test_the_headline_has_the_alpha_of_the_side_that_the_peak_is_of() -> None:
     """A push to the stronger side."""
     pulse = {"shape": "half_sine", "a_p": "-0.4*g", "omega_p": 6.0}

@@ -90,6 +90,20 @@ class TestDoubts:
         vary["block"] = {"known": blocks["known"]}
         assert warnings_of({"motion": {"pulse": SINE}}, vary=vary, **wanted) == ()
 
+    @pytest.mark.parametrize(
+        ("vary", "where"), [("block.mu: {a: 0.5,\n    b: null}", "x.yaml:5"), ("case: t.csv", "t.csv:3")]
+    )
+    def test_a_friction_that_is_taken_away_is_placed_where_that_is_said(self, tmp_path, vary, where):
+        (tmp_path / "t.csv").write_text("name,block.mu\na,0.5\nb,null\n")
+        case = "case: {block: {h: 1.0, b: 0.2, mu: 0.4}, motion: {pulse: {shape: sine, a_p: 3, T_p: 1}}}"
+        more = (
+            "  motion.pulse.a_p: [3, 4]\n  motion.pulse.T_p: [0.5, 1]\nover: {axis: T_p, limits: [{slide_peak: 0.05}]}"
+        )
+        file = tmp_path / "x.yaml"
+        file.write_text(f"name: x\n{case}\nvary:\n  {vary}\n{more}\n")
+        (said,) = (each for each in open_study(file).warnings if "limits of the slide" in each)
+        assert said.endswith(f"{where})")
+
     def test_too_strong(self):
         (said,) = warnings_of({"motion": {"pulse": {**SINE, "a_p": 400}}})
         assert "the PGA of the sine pulse is 40.77 g" in said

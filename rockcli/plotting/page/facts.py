@@ -75,7 +75,7 @@ def sentence_of(dataset: xarray.Dataset) -> str:
     unknown = len(names) - overturned - rocks - slides - still
     if len(names) == 1:
         return {
-            "no_uplift": "The body stays at rest: the motion is too weak to lift it.",
+            "no_uplift": "The body stays at rest: the motion does not lift it.",
             "rocking": "The body rocks from edge to edge and comes back: it does not overturn.",
             "sliding": "The body slides along the ground without lifting.",
             "failed": "The case has no answer; see the notes.",

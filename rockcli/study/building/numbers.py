@@ -199,12 +199,16 @@ class Numbers:
         name = ".".join(str(key) for key in keys)
         raise self.source.placed(where, f"{name}{suffix}: {message}{f' (at {context})' if context else ''}")
 
-    def named(self, i: int) -> str:
-        """Body of case i by the axes that make it, and where it is said: `block.alpha = 1, study.yaml:5`."""
+    def named(self, i: int, key: str = "") -> str:
+        """Body of case i by the axes that make it, and where it is said: `block.alpha = 1, study.yaml:5`.
+
+        `key`: one of the block that is taken away, and where that is said.
+        """
         keys: Keys = ("case", "block")
         block: Map = value_at(self.tree, keys)
         varied = next(((key, item) for key, item in block.items() if isinstance(item, Varied)), None)
         at, context = self._spot(None if varied is None else varied[1], i, bodies=True)
+        at = block.where.get(key, at)
         where = self.source.words(place(self.tree, keys) if at is None else at)
         return ", ".join(filter(None, (context, where)))
 

@@ -78,7 +78,7 @@ class Found:
         held = np.isfinite(batch.block.mu)
         self.friction |= bool(held.any())
         if self.unheld is None and not held.all():
-            self.unheld = numbers.named(int(np.argmin(held)))
+            self.unheld = numbers.named(int(np.argmin(held)), "mu")
         self.asymmetric |= not batch.block.symmetric.all()
         self.rolling |= bool(batch.block.rolls.any())
         pushed = batch.slide_rate_0 is not None and batch.slide_rate_0.any()

@@ -111,6 +111,7 @@ def _laid(tree: dict[str, Any], over: Map, *, symbols: bool) -> Map:
     for key, value in over.items():
         if value is None:  # `null` takes a key away: what stands there by default counts
             copy.pop(key, None)
+            copy.where[key] = over.where.get(key)  # of what is said of it
         elif isinstance(value, Map) and not value.whole:
             below = copy.get(key)
             if not isinstance(below, dict):
