@@ -100,6 +100,20 @@ def test_overturning_ends_the_run():
     assert np.isfinite(response.scalars["t_overturn"][0])
 
 
+def test_how_far_a_fall_is_followed_is_not_in_the_answer(monkeypatch):
+    """A run that is not ended in time turns on, past the other side: that passage through zero is no impact."""
+    alpha = np.arctan(0.2)
+    batch = mesh_batch(still(2.2), theta_0=1.2 * alpha, h=1.0, tan_alpha=0.2, E=1e9, across=1, along=2, dt=0.012)
+    ended = solve(batch)
+    monkeypatch.setattr(folder, "run", lambda place, *, limit, enough: run(place, limit=limit, enough=lambda: False))
+    followed = solve(batch)
+    assert ended.scalars["outcome"][0] == OVERTURNED_WITHOUT_IMPACT, ended.reasons
+    for name in ("outcome", "theta_peak", "n_impacts", "t_overturn", "n_steps", "n_rhs"):
+        assert followed.scalars[name][0] == ended.scalars[name][0], name
+    np.testing.assert_array_equal(followed.histories["theta"], ended.histories["theta"])
+    assert np.nanmax(ended.histories["theta"]) < 1.3 * alpha
+
+
 @pytest.mark.parametrize("start", [0.95, 1.1])
 def test_a_body_that_falls_from_beyond_its_equilibrium_passes_it_at_once(start):
     """Eight times the modulus at which it buckles: its equilibrium is at .904 alpha."""

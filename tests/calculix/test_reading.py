@@ -13,7 +13,7 @@ from rockcli.kernels.constants import FALLS, RETURNS, UNDECIDED
 from rockcli.solvers.calculix.body import find_impacts, motion_of, rotation
 from rockcli.solvers.calculix.case import prepare
 from rockcli.solvers.calculix.results import Displacements, UnreadableError, progress
-from rockcli.solvers.calculix.verdict import Body, fallen, judge
+from rockcli.solvers.calculix.verdict import Body, falls_at, judge
 
 BLOCK = """
  total internal energy for set SOLID and time  0.1000000E+00
@@ -85,6 +85,7 @@ def test_progress(tmp_path):
         "torn lin"
     )
     assert progress(path, 1.0) == (pytest.approx(0.25), 2, 2 + 4 + 2)  # of the dynamic step, the failed attempt too
+    assert progress(path, 1.0, until=0.002) == (pytest.approx(0.002), 1, 2)  # attempts at the next increment are not
 
 
 def rigid_turn(deck, theta):
@@ -204,6 +205,14 @@ def test_a_body_on_a_soft_base_returns_from_less():
 
 def test_no_verdict_while_the_motion_lasts():
     t = np.linspace(0.0, 0.9, 91)
-    assert not fallen(BODY, t, np.linspace(0.0, 0.3, 91))
+    assert falls_at(BODY, t, np.linspace(0.0, 0.3, 91)) is None
     assert judge(BODY, t, np.zeros(91)) == UNDECIDED
-    assert fallen(BODY, t, np.linspace(0.0, 1.6, 91))
+    assert falls_at(BODY, t, np.linspace(0.0, 1.6, 91)) == 89
+
+
+def test_a_fall_is_told_at_its_first_increment():
+    t = np.linspace(0.0, 2.0, 401)
+    theta = 0.02 * (t / 0.2)  # passes 1.25 alpha at 1.25 s, after the motion
+    assert falls_at(BODY, t, theta) == 251
+    assert falls_at(BODY, t, theta[::-1]) is None  # inward
+    assert falls_at(BODY, t, np.where(t < 1.5, theta, -theta)) == 251

@@ -44,6 +44,7 @@ class Result:
         complaint: why there is no result; "" if there is.
         t, u: times (k,) [s] and displacements (k, nodes, 3) [m] of the base nodes and the two top corners.
         increments, iterations: of the dynamic step, the latter with those of attempts that did not converge.
+        ends: time at which the file ends, not before that of t [s].
     """
 
     complaint: str
@@ -51,12 +52,17 @@ class Result:
     u: Array
     increments: int
     iterations: int
+    ends: float = 0.0
 
 
-def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
-    """Run a deck, or read a run that is kept.
+Enough = Callable[[Array, Array], int | None]
+"""The first of times (k,) [s] with base rotations (k,) [rad] at which a run may end, None if there is none."""
 
-    `enough(t, theta)` is asked now and then with the base rotation so far, (k,); True ends the run as finished.
+
+def solve_deck(deck: Deck, enough: Enough) -> Result:
+    """Run a deck, or read a run that is kept, up to where it is `enough`, which is asked now and then.
+
+    How far CalculiX got by then depends on the machine; the result does not.
     """
     text = deck.text()
     kept = os.environ.get(KEEP)
@@ -68,7 +74,7 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
     key = hashlib.sha256(f"{version()}\n{text}".encode()).hexdigest()[:20]
     if (home / key / FINISHED).exists():
         try:
-            return _kept(home / key, deck)
+            return _kept(home / key, deck, enough)
         except UnreadableError as error:
             log.warning("%s is run again: %s", home / key, error)
     _sweep(home, key)
@@ -77,7 +83,7 @@ def solve_deck(deck: Deck, enough: Callable[[Array, Array], bool]) -> Result:
     try:
         result = _solved(folder, deck, text, enough)
         if not result.complaint:
-            (folder / FINISHED).write_text(json.dumps({"t_end": float(result.t[-1])}), encoding="utf-8")
+            (folder / FINISHED).write_text(json.dumps({"t_end": result.ends}), encoding="utf-8")
             shutil.rmtree(home / key, ignore_errors=True)
             folder.rename(home / key)
     finally:
@@ -104,7 +110,7 @@ def _limit() -> float:
     return limit
 
 
-def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array], bool]) -> Result:
+def _solved(folder: Path, deck: Deck, text: str, enough: Enough) -> Result:
     (folder / f"{JOB}.inp").write_text(text, encoding="ascii")
     seen = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
     told = 0
@@ -118,17 +124,17 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
         if tenth > told:
             told = tenth
             log.info("t = %.4g s of %.4g s", t[-1], deck.t_stop)
-        return bool(t[-1] > 0.0) and enough(t, rotation(deck.mesh.x_base, u[:, :-2]))
+        return bool(t[-1] > 0.0) and enough(t, rotation(deck.mesh.x_base, u[:, :-2])) is not None
 
     nothing = np.empty(0), np.empty((0, len(deck.mesh.base) + 2, 3))
     stopped = False
     try:
         complaint, stopped = run(folder, limit=_limit(), enough=look)
-        result = None if complaint else _read(folder, deck)
+        result = None if complaint else _read(folder, deck, enough)
     except UnreadableError as error:
         complaint, result = f"what CalculiX wrote cannot be read: {error}", None
     so_far = progress(folder / f"{JOB}.sta", deck.t_static)
-    if result is not None and not stopped and result.t[-1] < deck.t_stop * (1.0 - 1e-4):
+    if result is not None and not stopped and result.ends < deck.t_stop * (1.0 - 1e-4):
         complaint = "CalculiX ended early without a message"
     if complaint:
         said = f"{complaint}; it reached t = {so_far.reached:.4g} of {deck.t_stop:.4g} s"
@@ -137,7 +143,7 @@ def _solved(folder: Path, deck: Deck, text: str, enough: Callable[[Array, Array]
     return result
 
 
-def _kept(folder: Path, deck: Deck) -> Result:
+def _kept(folder: Path, deck: Deck, enough: Enough) -> Result:
     """Read a run that is kept.
 
     Raises:
@@ -147,19 +153,23 @@ def _kept(folder: Path, deck: Deck) -> Result:
         t_end = json.loads((folder / FINISHED).read_text(encoding="utf-8"))["t_end"]
     except (ValueError, KeyError, TypeError, OSError):
         raise UnreadableError(f"{FINISHED} cannot be read") from None
-    result = _read(folder, deck)
-    if result.t[-1] != t_end:
-        raise UnreadableError(f"{JOB}.dat ends at {result.t[-1]:.4g} s, not at {t_end!r} s")
+    result = _read(folder, deck, enough)
+    if result.ends != t_end:
+        raise UnreadableError(f"{JOB}.dat ends at {result.ends:.4g} s, not at {t_end!r} s")
     return result
 
 
-def _read(folder: Path, deck: Deck) -> Result:
-    """Read a finished run.
+def _read(folder: Path, deck: Deck, enough: Enough) -> Result:
+    """Read a finished run up to where it is `enough`.
 
     Raises:
         UnreadableError: its file does not hold what it should.
     """
     found = Displacements(folder / f"{JOB}.dat", len(deck.mesh.base) + 2, deck.t_static)
     found.read_on()
-    done = progress(folder / f"{JOB}.sta", deck.t_static)
-    return Result("", *found.arrays(), done.increments, done.iterations)
+    t, u = found.arrays()
+    last = enough(t, rotation(deck.mesh.x_base, u[:, :-2]))
+    kept = slice(None if last is None else last + 1)
+    until = np.inf if last is None else float(t[last])
+    done = progress(folder / f"{JOB}.sta", deck.t_static, until)
+    return Result("", t[kept], u[kept], done.increments, done.iterations, float(t[-1]))

@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+DIGITS = 5e-6
+"""Relative rounding of the times of the .sta file, which have six digits."""
+
+
 class UnreadableError(ValueError):
     """A file of CalculiX does not hold what it should; the sentence says what."""
 
@@ -113,13 +117,13 @@ class Progress(NamedTuple):
     iterations: int = 0
 
 
-def progress(path: Path, start: float) -> Progress:
-    """How far CalculiX got after its static steps, which end at `start` [s], from the .sta file.
+def progress(path: Path, start: float, until: float = np.inf) -> Progress:
+    """How far CalculiX got after its static steps, which end at `start` [s], from the .sta file, up to `until` [s].
 
     A line holds step, increment, attempt (U: not converged), iterations, total time, step time, increment.
     What cannot be read is passed over: this is for people.
     """
-    found = Progress()
+    found, tried = Progress(), 0
     try:
         text = path.read_text(encoding="ascii", errors="replace")
     except OSError:
@@ -130,8 +134,13 @@ def progress(path: Path, start: float) -> Progress:
             iterations, done = int(words[3]), float(words[4]) - start
         except (IndexError, ValueError):
             continue
-        if done > 1e-9:
-            new = not words[2].endswith("U")
-            reached = max(found.reached, done) if new else found.reached
-            found = Progress(reached, found.increments + new, found.iterations + iterations)
-    return found
+        if done <= 1e-9:
+            continue
+        tried += iterations
+        if words[2].endswith("U"):
+            continue
+        if done > until + DIGITS * (start + until):
+            return found
+        found = Progress(max(found.reached, done), found.increments + 1, found.iterations + tried)
+        tried = 0
+    return found._replace(iterations=found.iterations + tried)

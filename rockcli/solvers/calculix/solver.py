@@ -18,7 +18,7 @@ from rockcli.solvers.calculix.body import Impacts, Motion, find_impacts, motion_
 from rockcli.solvers.calculix.case import Prepared, Refused, prepare
 from rockcli.solvers.calculix.folder import solve_deck
 from rockcli.solvers.calculix.run import program, version
-from rockcli.solvers.calculix.verdict import fallen, judge
+from rockcli.solvers.calculix.verdict import falls_at, judge
 from rockcli.solvers.common.found import Found, impacts_of, last_outward, note_unstored
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def solve(batch: Batch) -> Response:
         except Refused as refused:
             reasons[i] = str(refused)
             continue
-        result = solve_deck(prepared.deck, partial(fallen, prepared.body))
+        result = solve_deck(prepared.deck, partial(falls_at, prepared.body))
         reasons[i] = result.complaint
         counted["n_steps"][i], counted["n_rhs"][i] = result.increments, result.iterations
         if not result.complaint:

@@ -35,16 +35,12 @@ class Body:
     barrier: float
 
 
-def fallen(body: Body, t: Array, theta: Array) -> bool:
-    """Whether it has overturned: at pi/2, or beyond return after the motion's end."""
-    if not len(t):
-        return False
-    if abs(theta[-1]) >= 0.5 * np.pi:
-        return True
-    if len(t) < 2 or t[-1] <= body.motion_end:
-        return False
-    outward = abs(theta[-1]) > abs(theta[-2])
-    return bool(outward and abs(theta[-1]) > NO_RETURN * body.alpha)
+def falls_at(body: Body, t: Array, theta: Array) -> int | None:
+    """The first of the increments (k,) at which it has overturned: at pi/2, or beyond return after the motion's end."""
+    size = np.abs(theta)
+    outward = np.diff(size, prepend=np.inf) > 0.0
+    fallen = (size >= 0.5 * np.pi) | (outward & (size > NO_RETURN * body.alpha) & (t > body.motion_end))
+    return int(np.argmax(fallen)) if fallen.any() else None
 
 
 def judge(body: Body, t: Array, theta: Array) -> int:
@@ -54,7 +50,7 @@ def judge(body: Body, t: Array, theta: Array) -> int:
     of the rigid block at the rotation and mean rate of the base over windows of the first clamped period,
     (1/2) (theta'/p)^2 + cos(alpha - |theta|) - cos(alpha), no less than that of a body that bends or sinks in.
     """
-    if np.any(np.abs(theta) >= 0.5 * np.pi) or fallen(body, t, theta):
+    if falls_at(body, t, theta) is not None:
         return FALLS
     after = t >= body.motion_end - 1e-9
     if np.count_nonzero(after) < 3 and t[-1] < body.motion_end - 1e-3:
