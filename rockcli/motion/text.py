@@ -125,7 +125,8 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         raise RecordError(f"{numbers.text_after[0]!r} is no line of numbers; remove it or begin it with #", name)
     if not len(numbers.values):
         raise RecordError("no number follows the names of its columns; get the file anew", name)
-    columns = _columns(numbers, name)
+    places = [number for number, line in enumerate(plain, 1) if line.strip()]
+    columns = _columns(numbers, places, name)
     heads = [number for number, line in enumerate(lines, 1) if _HEAD.fullmatch(line)]
     if len(heads) > 1:
         raise RecordError("its columns are named twice; leave this line out", name, heads[1])
@@ -135,7 +136,7 @@ def parse_text(data: bytes, name: str, units: str | None, dt: float | None) -> T
         raise RecordError(f"its head names two columns, time and acceleration, and it has {columns}", name)
     first = numbers.values[::columns]
     if named:
-        _refuse_unequal_steps(first, [number for number, line in enumerate(plain, 1) if line.strip()], name)
+        _refuse_unequal_steps(first, places, name)
     is_time = columns > 1 and len(first) > 2 and (named or _is_time(first))
     if columns == 2 and len(first) > 2 and not is_time and _is_time(first - first[0]):
         raise RecordError(
@@ -270,17 +271,18 @@ def _without_commas(lines: list[str], name: str) -> list[str]:
     return plain
 
 
-def _columns(numbers: Numbers, name: str) -> int:
-    """How many numbers stand on each line (the last may hold fewer)."""
+def _columns(numbers: Numbers, lines: list[int], name: str) -> int:
+    """How many numbers stand on each line (the last may hold fewer); lines: where they stand in the file."""
     per_line = numbers.per_line
     columns = int(per_line[0])
     different = np.flatnonzero(per_line[:-1] != columns)
     if len(different) or per_line[-1] > columns or (columns == 2 and per_line[-1] != 2):
         at = int(different[0]) if len(different) else len(per_line) - 1
         raise RecordError(
-            f"line {at + 1} of numbers holds {per_line[at]}, the lines before hold {columns}: the file is damaged, "
-            "or a table of another kind",
+            f"numbers on this line: {per_line[at]}, on those before: {columns}; the file is damaged, or a table of "
+            "another kind",
             name,
+            lines[at],
         )
     return columns
 
@@ -300,6 +302,13 @@ def _refuse_unequal_steps(time: NDArray[np.float64], lines: list[int], name: str
         return
     steps = np.diff(time)
     usual = float(np.median(steps))
+    if not usual > 0.0:
+        at = int(np.argmin(steps > 0.0))
+        raise RecordError(
+            f"time goes from {time[at]:.10g} to {time[at + 1]:.10g} s here: write samples in order of time",
+            name,
+            lines[at + 1],
+        )
     # times are printed with few digits, which a step may differ by twice; else the step that differs most
     odd = np.append(np.flatnonzero(np.abs(steps - usual) > 2.0 * UNIFORM * abs(usual)), np.abs(steps - usual).argmax())
     at = int(odd[0])

@@ -624,6 +624,8 @@ def test_time_may_begin_anywhere_where_the_head_names_it(tmp_path):
         ("0.20,0.1\n", "", 22, r"time goes from 0.19 to 0.21 s here, in other steps by 0.01 s"),
         ("0.20,0.1\n", "0.10,0.1\n", 22, r"time goes from 0.19 to 0.1 s"),
         ("0.20,0.1\n", "0.20;0.1\n", 22, r"a semicolon stands here"),
+        ("0.20,0.1\n", "0.20,\n", 22, r"numbers on this line: 1, on those before: 2"),
+        ("0.20,0.1\n", "0.20,0.1,0.3\n", 22, r"numbers on this line: 3, on those before: 2"),
     ],
 )
 def test_what_is_wrong_with_a_named_column_is_told_with_its_line(tmp_path, old, new, line, said):
@@ -631,6 +633,13 @@ def test_what_is_wrong_with_a_named_column_is_told_with_its_line(tmp_path, old, 
     with pytest.raises(RecordError, match=said) as error:
         columns(tmp_path, HEADED.replace(old, new))
     assert error.value.line == line
+
+
+def test_time_that_runs_backwards_is_told_where_it_begins_to(tmp_path):
+    head, *rows = HEADED.splitlines(keepends=True)
+    with pytest.raises(RecordError, match=r"time goes from 0.49 to 0.48 s here: write samples in order") as error:
+        columns(tmp_path, head + "".join(reversed(rows)))
+    assert error.value.line == 3
 
 
 def test_semicolons_and_decimal_commas_are_told_under_any_head(write):
