@@ -27,8 +27,10 @@ __all__ = ["Text", "is_numeric_text", "parse_text"]
 UNIFORM = 0.05
 """A time column may deviate from equal steps by this part of a step (times are printed with few digits)."""
 
+FEW_DIGITS = 3
 DRIFT = 0.01
-"""A step is rounded to the few digits it was meant in if the last time moves by less than this part of a step."""
+"""A step is rounded to few digits if the last time moves by less than this part of a step; to more of them only as
+far as the times leave open, as 1/120 s is no 0.0083333 s where they are printed with all digits."""
 
 AGREE = 1e-3
 """Relative difference at which a stated dt contradicts the time column."""
@@ -329,9 +331,11 @@ def _time_step(time: NDArray[np.float64], stated: float | None, name: str) -> tu
                 "dt", f"the time column says dt is {step:.6g} s, `dt` says {stated:g} s; leave it out", name
             )
         return float(stated), float(time[0])
+    uneven = np.abs(time - time[0] - step * np.arange(len(time))).max()
+    left_open = min(DRIFT * step, 2.0 * uneven + 8.0 * np.spacing(np.abs(time).max()))
     for digits in range(1, 17):
         rounded = float(f"{step:.{digits}g}")
-        if abs(rounded - step) * (len(time) - 1) <= DRIFT * step:
+        if abs(rounded - step) * (len(time) - 1) <= (DRIFT * step if digits <= FEW_DIGITS else left_open):
             return rounded, float(time[0])
     return step, float(time[0])
 

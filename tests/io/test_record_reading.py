@@ -635,6 +635,23 @@ def test_what_is_wrong_with_a_named_column_is_told_with_its_line(tmp_path, old, 
     assert error.value.line == line
 
 
+@pytest.mark.parametrize(
+    ("dt", "count", "printed", "wanted", "within"),
+    [
+        (1 / 120, 300, "{!r}", 1 / 120, 1e-15),
+        (1 / 3, 101, "{!r}", 1 / 3, 1e-15),
+        (1 / 256, 500, "{!r}", 1 / 256, 0.0),
+        (1 / 300, 1000, "{:.5f}", 1 / 300, 5e-6),
+        (0.01, 1000, "{!r}", 0.01, 0.0),
+        (0.01, 1000, "{:.2f}", 0.01, 0.0),
+        (0.0125, 1000, "{:.4f}", 0.0125, 0.0),
+    ],
+)
+def test_the_time_step_is_that_of_the_column_of_times(tmp_path, dt, count, printed, wanted, within):
+    rows = "".join(f"{printed.format(k * dt)},{k % 7}\n" for k in range(count))
+    assert columns(tmp_path, "time [s],acceleration [m/s2]\n" + rows).dt == pytest.approx(wanted, rel=within, abs=0.0)
+
+
 def test_time_that_runs_backwards_is_told_where_it_begins_to(tmp_path):
     head, *rows = HEADED.splitlines(keepends=True)
     with pytest.raises(RecordError, match=r"time goes from 0.49 to 0.48 s here: write samples in order") as error:
