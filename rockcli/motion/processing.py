@@ -1,12 +1,13 @@
 """Record processing: window, detrend, taper, filter, resample, scale; every step says what it did to PGA and PGV.
 
 In this order, whatever the order in the study: window, detrend, taper, filters, resample.  Nothing is done that
-is not asked for.  The steps are ObsPy's, except the Fourier method of resampling (see `_fourier`).
+is not asked for.  The steps are ObsPy's, except the window and the Fourier method of resampling (see `_fourier`).
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -121,11 +122,10 @@ def _after(motion: Motion, values: NDArray[np.float64], dt: float, step: str, g:
 
 def _windowed(motion: Motion, window: Any, g: float) -> Motion:
     t1, t2 = options.window_options(window, motion.duration, motion.dt, motion.name)
-    trace = _trace(motion)
-    start = trace.stats.starttime
-    trace.trim(start + t1, start + t2, nearest_sample=True)
-    motion = dataclasses.replace(motion, header=motion.header_from(trace.stats.starttime - start))
-    return _after(motion, trace.data, motion.dt, f"window {t1:g} to {t2:g} s ({trace.stats.npts} samples)", g)
+    first, last = (math.floor(t / motion.dt + 0.5) for t in (t1, t2))  # ObsPy's `trim` knows times to a microsecond
+    motion = dataclasses.replace(motion, header=motion.header_from(round(first * motion.dt, 9)))
+    kept = motion.values[first : last + 1]
+    return _after(motion, kept, motion.dt, f"window {t1:g} to {t2:g} s ({len(kept)} samples)", g)
 
 
 def _detrended(motion: Motion, detrend: Any, g: float) -> Motion:

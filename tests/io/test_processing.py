@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,13 @@ def amplitude(motion: Motion, frequency: float) -> float:
 
 def test_nothing_is_done_unasked(sines: Motion) -> None:
     assert process(sines) is sines
+
+
+@pytest.mark.parametrize("dt", [1e-9, 3.3e-8, 1e-6, 0.01, 1 / 3, 1e6])
+def test_a_window_keeps_the_samples_nearest_to_its_times_whatever_the_step(sines: Motion, dt: float) -> None:
+    counted = dataclasses.replace(sines, values=np.arange(1000.0), dt=dt)
+    kept = process(counted, window=[(22 - 0.3) * dt, (541 + 0.4) * dt])
+    np.testing.assert_array_equal(kept.values, np.arange(22.0, 542.0))
 
 
 def test_window(sines: Motion) -> None:
