@@ -22,6 +22,9 @@ MEAN_PERIOD_SPACING = 0.05
 IN_BAND = 1e-12
 """Relative error of such a frequency: one that is 20 Hz up to it is in the band."""
 
+MOST_PADDED = 1 << 22
+"""Samples that a record of small steps is filled up to with zeros; beyond, its few frequencies are summed singly."""
+
 
 def pga(a: Array) -> float:
     """Peak ground acceleration [m/s²] (or in the units of `a`)."""
@@ -107,9 +110,14 @@ def mean_period(a: Array, dt: float) -> float:
     The frequencies are at most 0.05 Hz apart, whatever the length of the record.
     """
     n = max(len(a), int(np.ceil(1.0 / (MEAN_PERIOD_SPACING * dt) * (1.0 - IN_BAND))))
-    f = np.fft.rfftfreq(n, dt)
-    power = np.abs(np.fft.rfft(a, n)) ** 2
-    band = (f >= 0.25 * (1.0 - IN_BAND)) & (f <= 20.0 * (1.0 + IN_BAND))
+    low, high = 0.25 * (1.0 - IN_BAND), 20.0 * (1.0 + IN_BAND)
+    if n > max(len(a), MOST_PADDED):
+        f = np.arange(np.ceil(low * n * dt), np.floor(high * n * dt) + 1.0) / (n * dt)
+        power = np.array([abs(np.exp(-2j * np.pi * one * dt * np.arange(len(a))) @ a) ** 2 for one in f])
+    else:
+        f = np.fft.rfftfreq(n, dt)
+        power = np.abs(np.fft.rfft(a, n)) ** 2
+    band = (f >= low) & (f <= high)
     total = power[band].sum()
     return float((power[band] / f[band]).sum() / total) if total > 0.0 else float("nan")
 

@@ -84,6 +84,13 @@ def test_mean_period_counts_twenty_hertz_at_every_length() -> None:
         assert mean_period(np.sin(40.0 * np.pi * t) + np.sin(20.0 * np.pi * t), 0.005) == pytest.approx(0.075, rel=1e-9)
 
 
+def test_mean_period_of_steps_of_nanoseconds_is_that_of_an_impulse() -> None:
+    """All frequencies from .25 to 20 Hz, .05 Hz apart, have the same amplitude."""
+    f = np.arange(5, 401) / 20.0
+    for dt in (1e-9, 1e-6, 4e-6):
+        assert mean_period(np.array([0.0, 1.0, 2.0, 1.0]), dt) == pytest.approx(np.mean(1.0 / f), rel=1e-5)
+
+
 def test_mean_period_does_not_know_where_a_short_record_ends() -> None:
     a, dt = np.array([0.0, 3.0, 1.0, -2.0, 0.0]), 0.1
     longer = [mean_period(np.concatenate([a, np.zeros(more)]), dt) for more in (0, 20, 100, 195)]
