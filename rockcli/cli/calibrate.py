@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.options import Specimen, Workers
 from rockcli.cli.say import say
 
 if TYPE_CHECKING:
@@ -20,12 +21,8 @@ def calibrate(
     folds: Annotated[
         str | None, typer.Option("--folds", metavar="COLUMN", help="Column of the runs that belong together.")
     ] = None,
-    specimen: Annotated[
-        str | None, typer.Option("--specimen", metavar="NAME", help="Only the runs of this one.")
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes; default: one per usable core.")
-    ] = None,
+    specimen: Specimen = None,
+    workers: Workers = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print what was found as JSON.")] = False,
 ) -> None:
     """Find which bodies of a study experiments speak for, and how far its model is off.

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.options import Settings, SkipMissing, Studies
 from rockcli.cli.say import say, warn
 from rockcli.cli.tables import facts, table
 
@@ -15,14 +15,9 @@ if TYPE_CHECKING:
 
 
 def check(
-    studies: Annotated[
-        list[Path], typer.Argument(metavar="STUDY.yaml|FOLDER...", help="Studies; folders are searched.")
-    ],
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
-    ] = None,
-    skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
+    studies: Studies,
+    settings: Settings = None,
+    skip_missing: SkipMissing = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list instead of tables.")] = False,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.options import Settings
 from rockcli.cli.say import say, warn
 
 if TYPE_CHECKING:
@@ -27,10 +28,7 @@ def export(
     to: Annotated[str, typer.Option("--to", metavar="opensees|openquake", help="What to write for.")] = "opensees",
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the files go.")] = Path("results"),
     case: Annotated[int | None, typer.Option("--case", metavar="N", help="Only this case, counted from 1.")] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
-    ] = None,
+    settings: Settings = None,
 ) -> None:
     """Write each case as a plain OpenSeesPy script, or the fragility curves of a dataset for OpenQuake.
 

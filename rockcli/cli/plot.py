@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from rockcli.cli.options import PlotFormat, Select, chosen
 from rockcli.cli.say import say
-from rockcli.cli.select import Select, chosen
 
 
 def _kinds(incomplete: str) -> list[tuple[str, str]]:
@@ -47,7 +47,7 @@ def plot(
             "--out", metavar="FILE.png|.pdf|.svg", help="The one figure; several datasets are drawn together in it."
         ),
     ] = None,
-    plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
+    plot_format: PlotFormat = "png",
 ) -> None:
     """Draw the plots of datasets beside them, or one figure of them all."""
     from rockcli.engine.draw import changes, draw_as_told

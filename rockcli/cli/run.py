@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.options import PlotFormat, Results, Settings, SkipMissing, Studies, Workers
 from rockcli.cli.say import say, warn
 
 if TYPE_CHECKING:
@@ -15,17 +16,10 @@ if TYPE_CHECKING:
 
 
 def run(
-    studies: Annotated[
-        list[Path], typer.Argument(metavar="STUDY.yaml|FOLDER...", help="Studies; folders are searched.")
-    ],
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where results go.")] = Path("results"),
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes; default: one per usable core.")
-    ] = None,
+    studies: Studies,
+    out: Results = Path("results"),
+    settings: Settings = None,
+    workers: Workers = None,
     dask: Annotated[
         str | None, typer.Option("--dask", metavar="ADDRESS", help="Solve on a Dask cluster, as tcp://host:8786.")
     ] = None,
@@ -33,12 +27,12 @@ def run(
         str | None, typer.Option("--part", metavar="K/N", help="Solve one share; a last plain run merges them.")
     ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Replace results that are there.")] = False,
-    skip_missing: Annotated[bool, typer.Option("--skip-missing", help="Skip studies whose record is absent.")] = False,
+    skip_missing: SkipMissing = False,
     audit: Annotated[
         bool, typer.Option("--audit", help="Solve again at a tighter accuracy and report what disagrees.")
     ] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
-    plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
+    plot_format: PlotFormat = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary; errors only.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="List every clause of `expect`.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.options import Specimen, Workers
 from rockcli.cli.say import say
 
 if TYPE_CHECKING:
@@ -47,9 +48,7 @@ def score(
     against: Annotated[
         str | None, typer.Option("--against", metavar="NAME", help="Prediction that the others are tested against.")
     ] = None,
-    specimen: Annotated[
-        str | None, typer.Option("--specimen", metavar="NAME", help="Only the runs of this one.")
-    ] = None,
+    specimen: Specimen = None,
     units: Annotated[
         str | None, typer.Option("--units", metavar="g|m/s2|...", help="Of records that do not say; without a study.")
     ] = None,
@@ -57,9 +56,7 @@ def score(
         float | None, typer.Option("--dt", metavar="SECONDS", help="Of records that do not say; without a study.")
     ] = None,
     no_baselines: Annotated[bool, typer.Option("--no-baselines", help="Fit none.")] = False,
-    workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes; default: one per usable core.")
-    ] = None,
+    workers: Workers = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write a page (.html), a figure (.png .pdf .svg).")
     ] = None,

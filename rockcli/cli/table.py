@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rockcli.cli.options import Select, chosen
 from rockcli.cli.say import say
-from rockcli.cli.select import Select, chosen
 
 if TYPE_CHECKING:
     from rockcli.storage.table import Column, Item, Table

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rockcli.cli.options import PlotFormat, Results, Settings
 from rockcli.cli.say import say
 from rockcli.cli.tables import table
 from rockcli.scene.counted import counted
@@ -21,11 +22,8 @@ _UNITS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 
 def trade(
     study: Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="A study.")],
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where results go.")] = Path("results"),
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="Change a value, as case.block.R=2; may be repeated."),
-    ] = None,
+    out: Results = Path("results"),
+    settings: Settings = None,
     sample: Annotated[int, typer.Option("--sample", metavar="N", min=1, help="Cases measured, at most.")] = 20,
     budget: Annotated[
         str,
@@ -37,7 +35,7 @@ def trade(
     ] = "60s",
     every: Annotated[bool, typer.Option("--all", help="List every setting, not only the Pareto front.")] = False,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw nothing.")] = False,
-    plot_format: Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of plots.")] = "png",
+    plot_format: PlotFormat = "png",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no table; errors only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
