@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, OUT_OF_STEPS
+from rockcli.kernels.constants import DONE, FALLS, OUT_OF_STEPS, UNDECIDED
 from rockcli.kernels.formulas import potential
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT
@@ -101,6 +102,27 @@ class Found:
             "n_impacts": lambda: self.n_impacts,
         }
         return {name: find() for name, find in each.items() if name in READ_BY_SOLVERS | batch.save.scalars}
+
+
+def found_of(out: Array, to: ModuleType, top: Array) -> Found:
+    """What the kernel of a rigid body found of cases, from its results (n, N_OUT) at the places of `to`, and `top`."""
+    verdict = out[:, to.VERDICT]
+    return Found(
+        moved=np.isfinite(out[:, to.T_UPLIFT]),
+        fell=verdict == FALLS,
+        undecided=verdict == UNDECIDED,
+        failed=out[:, to.STATUS] != DONE,
+        n_impacts=counts(out[:, to.N_IMPACTS]),
+        peak=out[:, to.PEAK],
+        side=out[:, to.PEAK_SIDE],
+        rate=out[:, to.RATE_PEAK],
+        top=top,
+        t_peak=out[:, to.T_PEAK],
+        t_uplift=out[:, to.T_UPLIFT],
+        t_overturn=out[:, to.T_OVERTURN],
+        t_end=out[:, to.T_END],
+        struck_later=out[:, to.STRUCK_LATER] > 0.0,
+    )
 
 
 def residual_tilt(batch: Batch, found: Found) -> Array:

@@ -7,14 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, ILL_POSED, UNDECIDED
+from rockcli.kernels.constants import DONE, ILL_POSED
 from rockcli.kernels.contact import results as to
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.laws.contact import slides_only
 from rockcli.scene.response import NO_UPLIFT, SLIDING, UNRESOLVED
 from rockcli.solvers.common.certainty import withdraw
-from rockcli.solvers.common.found import ON_SEPARATRIX, Found, barrier, broke_off, counts, note_unstored, residual_tilt
+from rockcli.solvers.common.found import (
+    ON_SEPARATRIX,
+    barrier,
+    broke_off,
+    counts,
+    found_of,
+    note_unstored,
+    residual_tilt,
+)
 from rockcli.solvers.contact.run import Raw
 
 Array = NDArray[np.float64]
@@ -38,26 +46,10 @@ def answer(
         exact: where flight and slide-rock are described, (n,); elsewhere a body only slides.
     """
     out, block = raw.out, batch.block
-    fell = out[:, to.VERDICT] == FALLS
-    found = Found(
-        moved=np.isfinite(out[:, to.T_UPLIFT]),
-        fell=fell,
-        undecided=out[:, to.VERDICT] == UNDECIDED,
-        failed=out[:, to.STATUS] != DONE,
-        n_impacts=counts(out[:, to.N_IMPACTS]),
-        peak=out[:, to.PEAK],
-        side=out[:, to.PEAK_SIDE],
-        rate=out[:, to.RATE_PEAK],
-        top=out[:, to.TOP_PEAK],
-        t_peak=out[:, to.T_PEAK],
-        t_uplift=out[:, to.T_UPLIFT],
-        t_overturn=out[:, to.T_OVERTURN],
-        t_end=out[:, to.T_END],
-        struck_later=out[:, to.STRUCK_LATER] > 0.0,
-    )
+    found = found_of(out, to, out[:, to.TOP_PEAK])
     scalars = found.scalars(batch)
     scalars |= _by_side(batch, out, found.theta_peak)
-    slid, least = _standing(out, fell)
+    slid, least = _standing(out, found.fell)
     outcome = scalars["outcome"]
     scalars["outcome"] = np.where((outcome == NO_UPLIFT) & (slid > 0.0), SLIDING, outcome).astype(np.int8)
     known = found.unless_failed
@@ -70,7 +62,7 @@ def answer(
         "N_min_over_mg": known(least),
         "energy_residual": known(np.where(only, np.nan, out[:, to.BALANCE] / (batch.g * barrier(batch)))),
         "slide_peak": known(slid),
-        "slide_residual": known(np.where(fell, np.nan, out[:, to.SLIDE_END])),
+        "slide_residual": known(np.where(found.fell, np.nan, out[:, to.SLIDE_END])),
         "residual_tilt": residual_tilt(batch, found),
         "t_slip": known(out[:, to.T_SLIP]),
         "t_flight": known(out[:, to.T_FLIGHT]),

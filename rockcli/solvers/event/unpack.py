@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, UNDECIDED
+from rockcli.kernels.constants import DONE, FALLS
 from rockcli.kernels.formulas import restoring
 from rockcli.kernels.rigid import results as to
 from rockcli.scene.batch import Batch
@@ -24,6 +24,7 @@ from rockcli.solvers.common.found import (
     barrier,
     broke_off,
     counts,
+    found_of,
     note_unstored,
     residual_tilt,
     rigid_top,
@@ -63,24 +64,8 @@ def scalars_of(
 ) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output; none where `slides` has another solver answer."""
     out, asked, nothing = run.out, batch.save.scalars, repeated(np.full(1, np.nan), batch.size)
-    status, verdict = out[:, to.STATUS], out[:, to.VERDICT]
     sides = out[:, [to.PEAK_LEFT, to.PEAK_RIGHT]] if batch.block.rise.any() else None
-    found = Found(
-        moved=np.isfinite(out[:, to.T_UPLIFT]),
-        fell=verdict == FALLS,
-        undecided=verdict == UNDECIDED,
-        failed=status != DONE,
-        n_impacts=counts(out[:, to.N_IMPACTS]),
-        peak=out[:, to.PEAK],
-        side=out[:, to.PEAK_SIDE],
-        rate=out[:, to.RATE_PEAK],
-        top=rigid_top(batch, out[:, to.PEAK], sides) if "u_top_peak" in asked else nothing,
-        t_peak=out[:, to.T_PEAK],
-        t_uplift=out[:, to.T_UPLIFT],
-        t_overturn=out[:, to.T_OVERTURN],
-        t_end=out[:, to.T_END],
-        struck_later=out[:, to.STRUCK_LATER] > 0.0,
-    )
+    found = found_of(out, to, rigid_top(batch, out[:, to.PEAK], sides) if "u_top_peak" in asked else nothing)
     left, right, ratio = _by_side(batch, out, found.largest(out[:, to.PEAK]))
     unseen = found.failed | ~np.isfinite(out[:, to.N_MIN])  # forces and rates were not asked for
     mu_required, N_min = (nothing, nothing) if unseen.all() else standing_extremes(out, found.fell)

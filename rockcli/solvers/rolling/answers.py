@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.kernels.constants import DONE, FALLS, RETURNS, UNDECIDED
+from rockcli.kernels.constants import DONE, RETURNS
 from rockcli.kernels.rigid import results as to
 from rockcli.kernels.rolling import results as also
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.body.lower_outline import Facets, rolled
 from rockcli.scene.response import NO_UPLIFT
-from rockcli.solvers.common.found import IMPACTS, Found, counts
+from rockcli.solvers.common.found import IMPACTS, counts, found_of
 from rockcli.solvers.common.ground import ground_history
 from rockcli.solvers.event.unpack import Raw, columns_asked, over, sentences_of, standing_extremes
 
@@ -29,24 +29,8 @@ UNSOLVED_ROLLING = (
 def answer(batch: Batch, facets: Facets, run: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Scalars by name and a sentence per case from the raw output."""
     out = run.out
-    verdict = out[:, to.VERDICT]
     left, right = out[:, to.PEAK_LEFT], out[:, to.PEAK_RIGHT]
-    found = Found(
-        moved=np.isfinite(out[:, to.T_UPLIFT]),
-        fell=verdict == FALLS,
-        undecided=verdict == UNDECIDED,
-        failed=out[:, to.STATUS] != DONE,
-        n_impacts=counts(out[:, to.N_IMPACTS]),
-        peak=out[:, to.PEAK],
-        side=out[:, to.PEAK_SIDE],
-        rate=out[:, to.RATE_PEAK],
-        top=_top_peak(batch, left, right),
-        t_peak=out[:, to.T_PEAK],
-        t_uplift=out[:, to.T_UPLIFT],
-        t_overturn=out[:, to.T_OVERTURN],
-        t_end=out[:, to.T_END],
-        struck_later=out[:, to.STRUCK_LATER] > 0.0,
-    )
+    found = found_of(out, to, _top_peak(batch, left, right))
     scalars = found.scalars(batch)
     side, alpha = out[:, to.PEAK_SIDE], batch.block.alpha
     both = [
