@@ -33,8 +33,8 @@ from frame import test_models as frame
 from frame.frames import ricker
 from general import test_located as general
 from literature import test_thesis_pulses as thesis
+from plain import in_plain_lanes, spoilt
 from plain import plain as plain
-from plain import spoilt, with_record_lanes
 from scenes import G, block, make_batch, pulse
 from tables import SOURCE_PULSES
 
@@ -52,83 +52,70 @@ def pulse_lanes() -> None:
 
 
 def pulse_paths() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):  # idle lanes divide by zero too
+    with in_plain_lanes():
         paths_of_lanes.assert_same(lanes_pulses.map_of("ricker", 3, scalars=paths_of_lanes.FOUND))
 
 
 def late_extremes() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         paths_of_lanes.assert_same(paths_of_lanes.late_extremes())
 
 
 def paths_until_the_fall() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         batch = lanes_pulses.map_of("ricker", 6, scalars=paths_of_lanes.FOUND)
         paths_of_lanes.assert_same_as_to_the_ground(batch)
 
 
 def uneven_paths() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         paths_of_lanes.assert_same(
             lanes_pulses.uneven(lanes_pulses.map_of("sine", 3, scalars=paths_of_lanes.FOUND), 1.1, 0.7)
         )
 
 
+TIME = np.arange(90) * 0.02
+
+
+def shaken(scale: list[float]) -> Batch:
+    """Bodies under one motion of 1.8 s at several scales."""
+    values = np.sin(7.0 * TIME) * np.exp(-0.6 * TIME) + 0.2 * np.sin(23.0 * TIME)
+    return lanes_records.suite(values, 0.02, scale, [1.5], [0.2], eta=0.8)
+
+
 def record_lanes() -> None:
-    with_record_lanes()
-    t = np.arange(90) * 0.02
-    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
-    with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        lanes_records.assert_same(lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8))
+    with in_plain_lanes():
+        lanes_records.assert_same(shaken([1.1, 1.4, 1.7]))
 
 
 def lifted_in_a_record() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         lanes_records.test_lifted_for_a_moment()
 
 
 def record_forces() -> None:
-    with_record_lanes()
-    t = np.arange(90) * 0.02
-    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
-    with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        forces_of_lanes.assert_forces(
-            *forces_of_lanes.everything(lanes_records.suite(values, 0.02, [1.1, 1.7, 2.5], [1.5], [0.2], eta=0.8))
-        )
+    with in_plain_lanes():
+        forces_of_lanes.assert_forces(*forces_of_lanes.everything(shaken([1.1, 1.7, 2.5])))
 
 
 def record_durations() -> None:
-    with_record_lanes()
-    t = np.arange(90) * 0.02
-    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
-    with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        batch = lanes_records.suite(values, 0.02, [1.1, 1.4, 1.7], [1.5], [0.2], eta=0.8)
-        lanes_that_end.assert_ends(lanes_that_end.lasting(batch, [0.123, 0.344, 0.567]))
+    with in_plain_lanes():
+        lanes_that_end.assert_ends(lanes_that_end.lasting(shaken([1.1, 1.4, 1.7]), [0.123, 0.344, 0.567]))
 
 
 def of_both_components(scale: list[float]) -> Batch:
-    t = np.arange(90) * 0.02
-    values = np.sin(7.0 * t) * np.exp(-0.6 * t) + 0.2 * np.sin(23.0 * t)
-    batch = lanes_records.suite(values, 0.02, scale, [1.5], [0.2], eta=0.8)
-    return lifted_lanes.lifted(batch, [0.4, -0.3, 0.2], np.cos(11.0 * t) * np.exp(-0.3 * t), 0.02)
+    return lifted_lanes.lifted(shaken(scale), [0.4, -0.3, 0.2], np.cos(11.0 * TIME) * np.exp(-0.3 * TIME), 0.02)
 
 
 def record_components() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):  # idle lanes divide by zero too
-        both = of_both_components([0.95, 1.4, 1.7])
+    both = of_both_components([0.95, 1.4, 1.7])
+    with in_plain_lanes():
         for batch in (both, replace(both, model="linearized")):
             lanes_records.assert_same(batch, most=1e-7)
 
 
 def record_forces_of_both() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         forces_of_lanes.assert_forces(*forces_of_lanes.everything(of_both_components([0.4, 1.7, 2.5])))
 
 
@@ -137,22 +124,19 @@ def rolling() -> None:
 
 
 def rolling_pulses() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         for seed in (16, 139):
             rolling_cases.compare_with_march(seed, path=True)
 
 
 def rolling_records() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         for seed in (210, 1044):
             rolling_cases.compare_with_march(seed, record=True, path=True)
 
 
 def slips() -> None:
-    with_record_lanes()
-    with np.errstate(all="ignore"):
+    with in_plain_lanes():
         turns_of_contact.assert_a_few_slip_in_lanes_as_alone()
 
 
