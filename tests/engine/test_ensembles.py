@@ -471,9 +471,24 @@ def test_a_slide_that_is_told_as_rarer_than_its_overturning_is_named():
     data["fragility_median"][:, 0] = data["fragility_median"][:, 1] * [0.97, 1.02, 1.03]
     (said,) = words._rarer_than_its_part(from_xarray(data))
     assert said.startswith(
-        "the median of slide_peak > 0.5 m or overturned of 2 of 3 bodies is above that of overturning"
+        "slide_peak > 0.5 m or overturned is told as less probable than overturning, which it includes: median of 2 of 3 "
+        "bodies by 3 % at most: "
     )
-    assert "by 3 % at most" in said
+
+
+def test_a_slide_that_overturns_rarer_in_its_tail_or_under_a_hazard_is_named():
+    """Two curves that cross below their medians: the smaller percentile or the rate may be the other way round."""
+    vary = {"block.R": [0.5, 1.0, 1.5], **sliding_study()["vary"]}
+    hazard = {"intensity": ["0.3*g", "1*g"], "rate": [1e-2, 1e-4]}
+    curves = {"axis": "motion.pulse.omega_p", "limits": [{"slide_peak": 0.5}]}
+    data = rockcli.run(sliding_study(over=curves, vary=vary, hazard=hazard))
+    assert not list(words._rarer_than_its_part(from_xarray(data)))
+    data["fragility_percentile"][0, 0, 0] = 1.02 * data["fragility_percentile"][0, 1, 0]
+    data["annual_rate"][1, 0] = data["annual_rate"][1, 1] / 1.1
+    (said,) = words._rarer_than_its_part(from_xarray(data))
+    assert (
+        "includes: 1 % value of 1 of 3 bodies by 2 % at most, annual rate of 1 of 3 bodies by 10 % at most: two" in said
+    )
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.45])

@@ -282,21 +282,32 @@ def _missed(contents: Contents, over: Over) -> Iterator[str]:
 
 
 def _rarer_than_its_part(contents: Contents) -> Iterator[str]:
-    """Limits of the slide, which overturning exceeds too, whose curve lies beyond that of overturning."""
+    """Limits of the slide, which overturning exceeds too, that are told as less probable than overturning."""
     if "fragility_median" not in contents.fields:
         return
-    medians = contents.values("fragility_median")
+    tails = contents.values("fragility_percentile")
+    told = {"median": contents.values("fragility_median")[..., None]}  # the larger, the less probable
+    told |= {f"{PERCENTILES[k]:g} % value": tails[..., k : k + 1] for k in (1, 0)}
+    if "annual_rate" in contents.fields:
+        with np.errstate(divide="ignore"):
+            told["annual rate"] = 1.0 / contents.values("annual_rate")
     for i, label in enumerate(contents.values(LIMIT)):
-        beyond = medians[..., i] > medians[..., -1] * (1.0 + MATCH)
-        if exceeded_when(str(label)) == str(label) or not beyond.any():
+        if exceeded_when(str(label)) == str(label):
             continue
-        bodies = f" of {int(beyond.sum())} of {beyond.size} bodies" if beyond.ndim else ""
-        most = 100.0 * float(np.nanmax(np.where(beyond, medians[..., i] / medians[..., -1], np.nan)) - 1.0)
-        yield (
-            f"the median of {limit_words(label)}{bodies} is above that of overturning, which it includes, by "
-            f"{most:.2g} %{' at most' if bodies else ''}: two fits to nearly the same shares, of which the lower holds "
-            "for both"
-        )
+        found = []
+        for name, values in told.items():
+            with np.errstate(invalid="ignore"):
+                above = np.nan_to_num(values[..., i, :] / values[..., -1, :] - 1.0, nan=-1.0).max(axis=-1)
+            beyond = above > MATCH
+            if beyond.any():
+                many = f" of {int(beyond.sum())} of {beyond.size} bodies" if beyond.ndim else ""
+                most = 100.0 * float(above[beyond].max())
+                found.append(f"{name}{many} by {most:.2g} %{' at most' if many else ''}")
+        if found:
+            yield (
+                f"{limit_words(label)} is told as less probable than overturning, which it includes: {', '.join(found)}"
+                ": two fits to nearly the same shares, of which the more probable holds for both"
+            )
 
 
 def _extrapolated(contents: Contents, over: Over) -> Iterator[str]:
