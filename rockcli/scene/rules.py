@@ -268,7 +268,7 @@ _ROWS: tuple[Rule, ...] = (
     Rule(
         "asce43_sliding",
         "asce43_slide",
-        r"$\delta_{\mathrm{ASCE\\ 43}}$",
+        r"$\delta_{\mathrm{ASCE\ 43}}$",
         "ASCE 43-05: best-estimate sliding distance",
         np.inf,
         _asce43_sliding,

@@ -11,6 +11,7 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 from scipy.integrate import quad
 
 import rockcli
@@ -20,9 +21,15 @@ from rockcli.plotting.common.labels import axis_label, coordinate_label
 from rockcli.plotting.common.response import edges, response_of, window
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.page.facts import facts_of
+from rockcli.scene.variables import VARIABLES
 
 ASYMMETRIC = {"name": "a", "case": {"block": {"h": 1.05, "b": [0.2, 0.35]}}, "vary": {"initial.theta": [-0.15, 0.1]}}
 TIME = np.round(np.arange(0, 150, 0.01), 2)
+
+
+def test_matplotlib_can_set_the_symbol_of_every_variable():
+    for row in VARIABLES.values():
+        MathTextParser("path").parse(row.symbol)
 
 
 def axis(name: str, values: object, path: str = "", unit: str = "1") -> xarray.DataArray:
