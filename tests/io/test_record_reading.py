@@ -107,7 +107,7 @@ def test_what_is_too_large_is_refused_by_its_size(name: str, tmp_path: Path) -> 
     if name == "q.AT2":
         with pytest.raises(RecordError, match="at most 256 MiB"):
             read_at2(str(path))
-    assert time.monotonic() - began < 1.0
+    assert time.process_time() - began < 1.0
 
 
 def test_a_pickle_is_not_run(write, tmp_path: Path) -> None:
@@ -492,12 +492,12 @@ def test_a_station_is_its_code_in_every_format(tmp_path: Path) -> None:
 
 def test_blanks_in_a_first_line_take_no_time(write) -> None:
     """As the empty columns of a spreadsheet, or a file of no known format: a hundred tabs took a second, two hundred 30."""
-    begin = time.perf_counter()
+    begin = time.process_time()
     for blanks in ("\t" * 400, " " * 4000, "\t " * 400):
         refused(write(f"time{blanks}x\n0{blanks}1\n"), "", units="g")
         head = f"time [s]{blanks},{blanks}acc [g]{blanks}\n" if "\t" not in blanks else f"time{blanks}acc [g]{blanks}\n"
         assert read_record(write(f"{head}0,1\n0.1,2\n0.2,3\n")).values.tolist() == [1.0, 2.0, 3.0]
-    assert time.perf_counter() - begin < 2.0
+    assert time.process_time() - begin < 2.0
 
 
 def test_win_that_was_cut_is_refused(tmp_path: Path) -> None:
