@@ -113,10 +113,11 @@ def mean_period(a: Array, dt: float) -> float:
     low, high = 0.25 * (1.0 - IN_BAND), 20.0 * (1.0 + IN_BAND)
     if n > max(len(a), MOST_PADDED):
         f = np.arange(np.ceil(low * n * dt), np.floor(high * n * dt) + 1.0) / (n * dt)
-        power = np.array([abs(np.exp(-2j * np.pi * one * dt * np.arange(len(a))) @ a) ** 2 for one in f])
+        found = np.array([np.exp(-2j * np.pi * one * dt * np.arange(len(a))) @ a for one in f])
     else:
-        f = np.fft.rfftfreq(n, dt)
-        power = np.abs(np.fft.rfft(a, n)) ** 2
+        f = np.asarray(np.fft.rfftfreq(n, dt), dtype=np.float64)
+        found = np.fft.rfft(a, n)
+    power = np.abs(found) ** 2
     band = (f >= low) & (f <= high)
     total = power[band].sum()
     return float((power[band] / f[band]).sum() / total) if total > 0.0 else float("nan")
