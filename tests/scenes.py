@@ -101,6 +101,12 @@ def with_ground(response: Response, body: Block, excitation: Excitation) -> Resp
     return replace(response, histories=response.histories | told)
 
 
+def peak(response: Response) -> float:
+    """Largest |theta|/alpha of one case, which has an answer."""
+    assert int(response.scalars["outcome"][0]) >= 0, response.reasons
+    return float(response.scalars["theta_peak_over_alpha"][0])
+
+
 def overturns(response: Response) -> bool:
     outcome = int(response.scalars["outcome"][0])
     assert outcome >= 0, response.reasons

@@ -903,3 +903,12 @@ BANDS = [
     {"shape": "sine", "alpha": 0.8, "Omega": 2.0, "transitions": [(2.399038712152, "s", "o0")]},
     {"shape": "sine", "alpha": 0.8, "Omega": 5.0, "transitions": [(8.511237041175, "s", "o0")]},
 ]
+
+# First frequency of a cantilever of n beam elements, EI = m = L = 1, with consistent and with lumped masses.
+CANTILEVER = [
+    (1, 3.53273154283675683, 2.4494897427831781),
+    (2, 3.51771504162662414, 3.15623248357034597),
+    (3, 3.51637158487156593, 3.34568322069046239),
+    (5, 3.51606280192066326, 3.45265868712027114),
+    (10, 3.51601827507069451, 3.49995637059960871),
+]

@@ -127,6 +127,18 @@ def test_under_a_ricker_pulse(model, geometry, scheme, tan_alpha):
     assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(peak / alpha, abs=1e-9)
 
 
+def linear(values, dt):
+    """The acceleration on a piece between two samples, linear; zero after the last."""
+
+    def a_of_t(t0, t1):
+        i = round(t0 / dt)
+        if i >= len(values) - 1:
+            return lambda t: 0.0
+        return lambda t: values[i] + (values[i + 1] - values[i]) * (t - i * dt) / dt
+
+    return a_of_t
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(
     ("model", "geometry"), [("1", "corotational"), ("3", "corotational"), ("3", "negative_stiffness")]
@@ -140,14 +152,8 @@ def test_under_a_sampled_motion(model, geometry, scheme):
     alpha = np.arctan(tan_alpha)
     response, eta = ours(model, geometry, tan_alpha, scheme, record(values, dt))
 
-    def a_of_t(t0, t1):
-        i = round(t0 / dt)
-        if i >= len(values) - 1:
-            return lambda t: 0.0
-        return lambda t: values[i] + (values[i + 1] - values[i]) * (t - i * dt) / dt
-
     breaks = [i * dt for i in range(len(values))]
-    peak = independent(model, geometry, alpha, eta, damper_of(scheme, alpha), a_of_t, breaks, until=6.0)
+    peak = independent(model, geometry, alpha, eta, damper_of(scheme, alpha), linear(values, dt), breaks, until=6.0)
     assert response.scalars["outcome"][0] == 1
     assert response.scalars["theta_peak_over_alpha"][0] == pytest.approx(peak / alpha, abs=1e-9)
 
@@ -224,15 +230,11 @@ def test_under_a_record(path, model, geometry, scheme):
     values = values * (1.8 * G_ * tan_alpha / np.abs(values).max())
     response, eta = ours(model, geometry, tan_alpha, scheme, record(values, dt))
 
-    def a_of_t(t0, t1):
-        i = round(t0 / dt)
-        if i >= len(values) - 1:
-            return lambda t: 0.0
-        return lambda t: values[i] + (values[i + 1] - values[i]) * (t - i * dt) / dt
-
     alpha = np.arctan(tan_alpha)
     breaks = [i * dt for i in range(len(values))]
-    peak = independent(model, geometry, alpha, eta, damper_of(scheme, alpha), a_of_t, breaks, until=breaks[-1] + 4.0)
+    peak = independent(
+        model, geometry, alpha, eta, damper_of(scheme, alpha), linear(values, dt), breaks, until=breaks[-1] + 4.0
+    )
     if np.isinf(peak):
         assert response.scalars["outcome"][0] >= OVERTURNED_WITHOUT_IMPACT
     else:

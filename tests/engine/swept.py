@@ -12,6 +12,8 @@ import pytest
 import yaml
 
 from rockcli.engine.run import solve
+from rockcli.engine.sweep.chunk_result import ChunkResult
+from rockcli.engine.sweep.parts import Parts
 from rockcli.engine.sweep.sweep import Sweep
 from rockcli.engine.sweep.work import Team
 from rockcli.scene.batch import Batch
@@ -61,6 +63,19 @@ def counting(monkeypatch: pytest.MonkeyPatch, answer: Callable[[Batch], Response
 
     monkeypatch.setattr("rockcli.solvers.event.solver.solve", solver)
     return sizes
+
+
+def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseException]) -> None:
+    """Break off a run after some chunks."""
+    keep, seen = Parts.keep, []
+
+    def kept(self: Parts, answer: ChunkResult) -> None:
+        keep(self, answer)
+        seen.append(answer)
+        if len(seen) == chunks:
+            raise error
+
+    monkeypatch.setattr(Parts, "keep", kept)
 
 
 def study(**more: Any) -> Study:

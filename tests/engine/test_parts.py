@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from swept import CASES, STUDY, assert_same, counting, made_up, solved, study, write_study
+from swept import CASES, STUDY, assert_same, counting, made_up, solved, stop_after, study, write_study
 
 from rockcli.engine.lock import LOCK_NAME, locked
 from rockcli.engine.run import check_study, run_study, solve
@@ -36,19 +36,6 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     monkeypatch.setattr(sweep, "CHUNK", 3)
     monkeypatch.setattr(parts, "EVERY", -1.0)
     return counting(monkeypatch)
-
-
-def stop_after(monkeypatch: pytest.MonkeyPatch, chunks: int, error: type[BaseException]) -> None:
-    """Break off a run after some chunks."""
-    keep, seen = Parts.keep, []
-
-    def kept(self: Parts, answer: ChunkResult) -> None:
-        keep(self, answer)
-        seen.append(answer)
-        if len(seen) == chunks:
-            raise error
-
-    monkeypatch.setattr(Parts, "keep", kept)
 
 
 def break_off(folder: Path, monkeypatch: pytest.MonkeyPatch, chunks: int = 5, *, fresh: bool = False) -> None:

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from swept import assert_same, study
+from swept import assert_same, stop_after, study
 
 from rockcli.engine.run import run_study, solve
 from rockcli.engine.search import search
 from rockcli.engine.summary import UP_TO_DATE
 from rockcli.engine.sweep import parts, sweep
-from rockcli.engine.sweep.chunk_result import ChunkResult
-from rockcli.engine.sweep.parts import Parts
 from rockcli.errors import MachineError
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import NO_UPLIFT, OVERTURNED_AFTER_IMPACT, ROCKING, Response
@@ -51,16 +49,8 @@ def test_a_search_goes_on(chunks: int, solved: list[float], tmp_path: Path, monk
     whole = solve(searched())
     every = len(solved)
     solved.clear()
-    keep, seen = Parts.keep, []
-
-    def kept(self: Parts, answer: ChunkResult) -> None:
-        keep(self, answer)
-        seen.append(answer)
-        if len(seen) == chunks:
-            raise KeyboardInterrupt
-
     with monkeypatch.context() as once:
-        once.setattr(Parts, "keep", kept)
+        stop_after(once, chunks, KeyboardInterrupt)
         with pytest.raises(KeyboardInterrupt):
             run_study(searched(), tmp_path, plots=False)
     first = len(solved)

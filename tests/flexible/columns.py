@@ -59,10 +59,5 @@ def ricker(a_p_over_g_tan_alpha: float, T_p: float) -> Excitation:
     return pulse("ricker", a_p_over_g_tan_alpha * G * 0.1, 2.0 * np.pi / T_p)
 
 
-def peak(response: Response) -> float:
-    assert int(response.scalars["outcome"][0]) >= 0, response.reasons
-    return float(response.scalars["theta_peak_over_alpha"][0])
-
-
 def scalar(response: Response, name: str) -> float:
     return float(response.scalars[name][0])

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flexible.columns import E_CONCRETE, RHO, column_batch, peak, ricker, rock_column, scalar, sine
-from scenes import G, make_batch, pulse, record, still
+from flexible.columns import E_CONCRETE, RHO, column_batch, ricker, rock_column, scalar, sine
+from scenes import G, make_batch, peak, pulse, record, still
 
 import rockcli
 from rockcli.engine.backends import choose

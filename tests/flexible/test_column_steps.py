@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flexible.columns import peak, rock_column, scalar, sine
+from flexible.columns import rock_column, scalar, sine
+from scenes import peak
 
 
 @pytest.mark.parametrize("accuracy", ["standard", "reference"])

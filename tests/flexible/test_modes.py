@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tables import CANTILEVER
 
 from rockcli.solvers.flexible.beam import unit_beam
 from rockcli.solvers.flexible.column import critical_modulus
@@ -17,16 +18,7 @@ def omega(n: int, mass: str = "consistent", rotary: float = 0.0) -> float:
     return float(np.sqrt(held_modes(unit_beam(n, mass), 1.0, 0.0, rotary)[0][0]))
 
 
-@pytest.mark.parametrize(
-    ("n", "consistent", "lumped"),
-    [
-        (1, 3.53273154283675683, 2.4494897427831781),
-        (2, 3.51771504162662414, 3.15623248357034597),
-        (3, 3.51637158487156593, 3.34568322069046239),
-        (5, 3.51606280192066326, 3.45265868712027114),
-        (10, 3.51601827507069451, 3.49995637059960871),
-    ],
-)
+@pytest.mark.parametrize(("n", "consistent", "lumped"), CANTILEVER)
 def test_first_frequency_of_n_elements(n, consistent, lumped):
     assert omega(n) == pytest.approx(consistent, rel=1e-9)
     assert omega(n, "lumped", rotary=1e-10) == pytest.approx(lumped, rel=1e-5)  # massless rotations: a little inertia

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flexible.columns import peak, rock_column, scalar
-from scenes import SHARED, G, make_batch, record
+from flexible.columns import rock_column, scalar
+from scenes import SHARED, G, make_batch, peak, record
 
 from rockcli.scene.body.block import make_block
 from rockcli.scene.ground.excitation import Excitation

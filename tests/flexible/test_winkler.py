@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flexible.columns import RHO, column_batch, peak, ricker, rock_column, scalar, sine
+from flexible.columns import RHO, column_batch, ricker, rock_column, scalar, sine
 from frame.frames import framed
-from scenes import G, pulse, record
+from scenes import G, peak, pulse, record
 
 from rockcli.solvers.flexible import solve
 from rockcli.solvers.frame.solver import solve as solve_frame

@@ -54,11 +54,6 @@ def on_fibres(*, kw: float, fibres: int, alpha_d: float = 0.7, tan_alpha: float 
     )
 
 
-def peak(response: Response) -> float:
-    assert int(response.scalars["outcome"][0]) >= 0, response.reasons
-    return float(response.scalars["theta_peak_over_alpha"][0])
-
-
 def restitution(response: Response, alpha: float) -> np.ndarray:
     """Ratio of angular velocities each swing keeps, from the energies of its turning points under (2.10)."""
     theta = response.histories["theta"][0]

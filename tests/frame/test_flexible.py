@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frame.frames import column, framed, peak
-from scenes import G, array, block, make_batch, pulse, still
+from frame.frames import column, framed
+from scenes import G, array, block, make_batch, peak, pulse, still
 
 from rockcli.scene.body.column import Base
 from rockcli.scene.numerics import Numerics

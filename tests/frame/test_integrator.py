@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from frame.frames import column, framed, peak, ricker
+from frame.frames import column, framed, ricker
+from scenes import peak
 
 from rockcli.errors import SolverError
 from rockcli.kernels.frame import layout as at

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frame.frames import PAIRS, framed, peak, ricker
-from scenes import G, block, make_batch, overturns, pulse, record
+from frame.frames import PAIRS, framed, ricker
+from scenes import G, block, make_batch, overturns, peak, pulse, record
 
 from rockcli.scene.laws.damping import Damping
 from rockcli.solvers.event.solver import solve as event

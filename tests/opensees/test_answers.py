@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from columns import PULSES, flexible, needs_opensees, peak, rigid
-from scenes import G, array, block, make_batch, make_block, pulse, record, still
+from scenes import G, array, block, make_batch, make_block, peak, pulse, record, still
+from thesis_cases import PULSES, flexible, needs_opensees, rigid
 
 from rockcli.errors import SolverError
 from rockcli.scene.body.column import Base, Column

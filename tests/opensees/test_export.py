@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from columns import flexible, needs_opensees, rigid
 from scenes import array
+from thesis_cases import flexible, needs_opensees, rigid
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app

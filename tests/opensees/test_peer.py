@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from columns import rigid
+from thesis_cases import rigid
 
 from rockcli.errors import MachineError, SolverError
 from rockcli.scene.response import FAILED

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray
 from PIL import Image
-from plotting.columns import ALPHA, LENGTH, R, columns
+from plotting.column_datasets import ALPHA, LENGTH, R, columns
 from typer.testing import CliRunner
 
 import rockcli

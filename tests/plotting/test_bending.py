@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from plotting.columns import columns
+from plotting.column_datasets import columns
 
 from rockcli.plotting import figures
 

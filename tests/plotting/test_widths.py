@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Text
-from plotting.columns import columns
+from plotting.column_datasets import columns
 from plotting.test_gallery import gallery
 from plotting.test_work_precision import traded
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flexible.columns import column_batch, peak, rock_column, sine
+from flexible.columns import column_batch, rock_column, sine
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import G, array, make_batch, overturns, pulse, record, repeated, rock, still, unit_block
+from scenes import G, array, make_batch, overturns, peak, pulse, record, repeated, rock, still, unit_block
 
 from rockcli.scene.body.block import make_block
 from rockcli.scene.laws.damping import Damping

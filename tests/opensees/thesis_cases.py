@@ -58,8 +58,3 @@ def flexible(*, eta, zeta: float, elements: int = 5, mass: str = "lumped", durat
     batch = make_batch(body, motion, eta=eta, accuracy="standard", **how)
     column = Column(array(30e9), array(2500.0), array(zeta), elements, mass)
     return replace(batch, model="flexible", geometry=None, column=column)
-
-
-def peak(response) -> float:
-    assert response.scalars["outcome"][0] >= 0, response.reasons
-    return float(response.scalars["theta_peak_over_alpha"][0])
