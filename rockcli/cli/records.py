@@ -221,7 +221,7 @@ def convert(
     from rockcli.errors import RecordError
     from rockcli.motion.at2 import at2_text
     from rockcli.motion.motion import start_of
-    from rockcli.motion.writing import two_columns
+    from rockcli.motion.text import two_columns
     from rockcli.storage.atomic import write_text
     from rockcli.storage.places import check_file
 

@@ -22,8 +22,6 @@ from rockcli.motion.numbers import Numbers, read_numbers
 from rockcli.motion.options import OptionError
 from rockcli.motion.units import same_unit, unit_named
 
-__all__ = ["Text", "is_numeric_text", "parse_text"]
-
 UNIFORM = 0.05
 """A time column may deviate from equal steps by this part of a step (times are printed with few digits)."""
 
@@ -353,3 +351,12 @@ def _refuse_table(columns: int, is_time: bool, name: str) -> None:
             "time [s] and acceleration",
             name,
         )
+
+
+def two_columns(values: NDArray[np.float64], dt: float, units: str, titles: list[str]) -> str:
+    """Time [s] and acceleration [units], every digit kept; the head states the units and the time step."""
+    head = "".join(
+        f"# {line}\n" for line in [*titles, "time [s], acceleration", f"units: {units}", f"dt: {float(dt)!r}"]
+    )
+    rows = (f"{float(f'{i * dt:.12g}')!r} {float(value)!r}\n" for i, value in enumerate(values))
+    return head + "".join(rows)

@@ -21,7 +21,7 @@ from rockcli.motion.agencies.formats import format_of
 from rockcli.motion.at2 import read_at2
 from rockcli.motion.numbers import read_numbers
 from rockcli.motion.reading import components_of, read_record
-from rockcli.motion.writing import two_columns
+from rockcli.motion.text import two_columns
 
 AT2 = (
     "PEER NGA STRONG MOTION DATABASE RECORD\nEvent, 1/2/2003, Station, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
