@@ -8,17 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-__all__ = [
-    "MACHINE",
-    "MachineError",
-    "OutputError",
-    "RecordError",
-    "RockError",
-    "SolverError",
-    "StudyError",
-    "path_given",
-]
-
 
 class RockError(Exception):
     """Something the user can mend: what was wrong, where, and what was expected.

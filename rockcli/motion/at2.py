@@ -30,8 +30,6 @@ from rockcli.motion.units import same_unit, unit_named
 if TYPE_CHECKING:
     from obspy import Stream
 
-__all__ = ["AT2", "at2_text", "is_at2", "looks_like_at2", "parse_at2", "read_at2"]
-
 HEADER_LINES = 60
 """NPTS and DT are sought on so many lines at most."""
 

@@ -12,8 +12,6 @@ from typing import Any
 
 from rockcli.errors import RecordError
 
-__all__ = ["COLUMNS", "NAME", "metadata_beside", "metadata_of"]
-
 NAME = "_SearchResults.csv"
 
 COLUMNS = {

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from rockcli import kernels
 
-__all__ = ["arias", "cav", "mean_period", "measures", "pga", "pgd", "pgv", "significant_duration", "velocity"]
-
 Array = NDArray[np.float64]
 
 MEAN_PERIOD_SPACING = 0.05

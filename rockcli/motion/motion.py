@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Given", "Motion", "start_in", "start_of"]
-
 NO_START = datetime(1970, 1, 1, tzinfo=UTC)
 """What ObsPy says of files without a time of their first sample."""
 

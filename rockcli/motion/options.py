@@ -9,17 +9,6 @@ from typing import Any
 
 from rockcli.errors import RecordError
 
-__all__ = [
-    "DETRENDS",
-    "METHODS",
-    "TAPERS",
-    "OptionError",
-    "filter_options",
-    "resample_options",
-    "taper_options",
-    "window_options",
-]
-
 DETRENDS = {"constant": "constant", "demean": "constant", "linear": "linear", "simple": "simple"}
 TAPERS = ("cosine", "hann", "hamming", "blackman", "bartlett", "parzen", "triang")
 METHODS = ("fourier", "lanczos", "linear", "weighted_average_slopes")

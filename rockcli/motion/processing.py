@@ -19,8 +19,6 @@ from rockcli.motion.measures import pga, pgv
 from rockcli.motion.motion import Motion
 from rockcli.motion.options import OptionError
 
-__all__ = ["process"]
-
 LANCZOS_WIDTH = 20
 """Samples on each side that an interpolated value depends on."""
 

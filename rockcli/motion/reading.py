@@ -32,8 +32,6 @@ from rockcli.motion.units import FACTORS, same_unit, unit_named
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["components_of", "motion_of", "read_record", "ready_for"]
-
 KNOWN_UNITS = "g, m/s2, cm/s2, gal, mm/s2"
 
 MIN_DT, MAX_DT = 1e-9, 1e6

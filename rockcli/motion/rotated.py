@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from rockcli.motion.measures import velocity
 from rockcli.motion.spectrum import Stretch, history
 
-__all__ = ["ANGLES", "rotated", "rotated_measures", "rotated_spectrum"]
-
 Array = NDArray[np.float64]
 
 ANGLES = 180

@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 
 from rockcli.scene.ground.excitation import BELL, LINEAR, Channel, Samples, acceleration
 
-__all__ = ["DAMPING", "Stretch", "displacement_spectrum", "forcing", "history", "peaks", "pseudo_acceleration"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["FACTORS", "UNIT_NAMES", "same_unit", "unit_named"]
-
 FACTORS = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
 """What turns a value into m/s²; `g` is not among them: a study says how large its g is."""
 

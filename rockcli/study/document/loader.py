@@ -19,8 +19,6 @@ from rockcli.errors import StudyError
 from rockcli.study.document.tree import Keys, List, Map, Source, Where, dotted
 from rockcli.study.inputs import MAX_BYTES, read_bytes
 
-__all__ = ["check_depth", "load_any", "load_file", "load_mapping", "load_value", "scalar"]
-
 NAMES = ("name", "title", "references")
 """Keys of a study that are text, also where it reads as a number: `name: 007`."""
 
