@@ -260,6 +260,18 @@ def test_limits_hold_the_truth_where_records_share_samples(records, samples, of_
     assert np.sqrt(np.mean(told.se**2)) == pytest.approx(told.value.std(), rel=0.1)
 
 
+def test_what_is_made_of_one_record_and_sample_is_told_once():
+    """Two directions of every record that answer alike leave the error as it is with one."""
+    draw = np.random.default_rng(2)
+    fell = (
+        draw.standard_normal((12, 1)) + draw.standard_normal((1, 10)) + draw.standard_normal((12, 10)) > 0.0
+    ).ravel()
+    rows, shared = np.repeat(np.arange(12), 10), np.tile(np.arange(10), 12)
+    one = probability(fell[None].astype(float), rows, shared)
+    two = probability(np.tile(fell, 2)[None].astype(float), np.tile(rows, 2), np.tile(shared, 2))
+    assert two.se[0] == pytest.approx(one.se[0])
+
+
 def test_a_suite_with_samples_clusters_by_both():
     """Of three masses, which change nothing, a share has the error that its samples give."""
     alone, over = (

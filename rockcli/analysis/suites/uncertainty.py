@@ -67,8 +67,8 @@ class Together:
 def probability(share: Array, rows: Index, shared: Index | None = None) -> Probability:
     """The mean of shares along the last axis, NaN left out, with the error of a mean of independent rows.
 
-    Where rows share samples its square is the sum of that of rows and of samples less that of members on their own, and
-    neither of the first two is above it.
+    Where rows share samples its square is the sum of that of rows and of samples less that of both at once, and neither
+    of the first two is above it.
 
     Limits by Clopper and Pearson (1934) for as many members as would have this error, and for fewer where there are few
     rows to tell it from: times the square of Student's t of the members over that of the rows (Korn and Graubard 1998).
@@ -87,8 +87,8 @@ def probability(share: Array, rows: Index, shared: Index | None = None) -> Proba
     square, there = _scatter(away, known, rows)
     if shared is not None:
         of_samples, samples = _scatter(away, known, shared)
-        on_their_own, _ = _scatter(away, known, np.arange(share.shape[-1]))
-        square = np.maximum(square + of_samples - on_their_own, np.maximum(square, of_samples))
+        of_both, _ = _scatter(away, known, rows * (int(shared.max()) + 1) + shared)
+        square = np.maximum(square + of_samples - of_both, np.maximum(square, of_samples))
         there = np.minimum(there, samples)
     se, tail = np.sqrt(square) / n, 0.5 * (1.0 - CONFIDENCE)
     few = stdtrit(np.maximum(n - 1.0, 1.0), tail) / stdtrit(np.maximum(there - 1.0, 1.0), tail)
