@@ -87,7 +87,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$P_{\mathrm{overturned}}$",
         SUITE,
         "1",
-        "share that overturned of those with an answer, each by its share",
+        "share of the members with an answer that overturned, each by its overturn_share",
     ),
     Variable(
         "p_overturned_low", r"$P_{\mathrm{overturned}}$", SUITE, "1", "the same if all without an answer remain stable"
@@ -100,7 +100,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$s_P$",
         SUITE,
         "1",
-        "standard error of p_overturned over samples, at most that of as many independent ones",
+        "standard error of p_overturned over samples, at most that of as many independent samples",
     ),
     Variable("p_overturned_ci_low", r"$P$", SUITE, "1", "lower 95 % confidence limit of p_overturned over samples"),
     Variable("p_overturned_ci_high", r"$P$", SUITE, "1", "upper 95 % confidence limit of p_overturned over samples"),
@@ -110,7 +110,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$\rho_S$",
         INPUT,
         "1",
-        "rank correlation of theta_peak_over_alpha (overturned the largest) and the input",
+        "rank correlation of theta_peak_over_alpha and the input; overturned counts as largest",
     ),
     *(
         Variable(
@@ -151,7 +151,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
     Variable(
         "limit_state", "limit state", LIMIT, "1", "theta_peak_over_alpha (or the slide named) exceeded, or overturned"
     ),
-    Variable("p_exceeded", r"$P$", LIMIT, "1", "share that exceeds the limit state of those with an answer"),
+    Variable("p_exceeded", r"$P$", LIMIT, "1", "share of the members with an answer that exceed the limit state"),
     Variable(
         "fragility_median",
         r"$\hat\theta$",
@@ -188,25 +188,31 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$x$",
         CASE,
         UNIT_OF_INTENSITY,
-        "intensity that fragility is told against, where no axis has it",
+        "intensity of the fragility curves, where it is no axis",
     ),
+    Variable("fragility_intensity_second", r"$y$", CASE, UNIT_OF_SECOND, "second intensity of the fragility curves"),
     Variable(
-        "fragility_intensity_second", r"$y$", CASE, UNIT_OF_SECOND, "second intensity that fragility is told against"
-    ),
-    Variable(
-        "fragility_second", r"$y_r$", SUITE, UNIT_OF_SECOND, "second intensity y_r of which medians and percentiles are"
+        "fragility_second",
+        r"$y_r$",
+        SUITE,
+        UNIT_OF_SECOND,
+        "second intensity y_r at which medians and percentiles are given",
     ),
     Variable(
         "fragility_exponent",
         r"$c$",
         LIMIT,
         "1",
-        "median - x_0 goes with (y/y_r)^-c of the second intensity y; y_r = fragility_second",
+        "c: median - x_0 is proportional to (y/y_r)^-c, y the second intensity, y_r = fragility_second",
     ),
     Variable("fragility_exponent_ci_low", r"$c$", LIMIT, "1", "lower 95 % confidence limit of fragility_exponent"),
     Variable("fragility_exponent_ci_high", r"$c$", LIMIT, "1", "upper 95 % confidence limit of fragility_exponent"),
     Variable(
-        "fragility_begins_at", r"$x_0$", SUITE, UNIT_OF_INTENSITY, "intensity x_0 at and below which a curve is zero"
+        "fragility_begins_at",
+        r"$x_0$",
+        SUITE,
+        UNIT_OF_INTENSITY,
+        "intensity x_0; the fragility curve is zero at and below it",
     ),
     Variable(
         "fragility_begins_at_last",
@@ -220,21 +226,21 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$x$",
         SUITE,
         UNIT_OF_INTENSITY,
-        "lowest intensity of the suite; percentiles below: extrapolated",
+        "lowest intensity of the suite; percentiles below it are extrapolated",
     ),
     Variable(
         "fragility_highest",
         r"$x$",
         SUITE,
         UNIT_OF_INTENSITY,
-        "highest intensity of the suite; percentiles above: extrapolated",
+        "highest intensity of the suite; percentiles above it are extrapolated",
     ),
     Variable(
         "fragility_misfit_p",
         r"$P$",
         LIMIT,
         "1",
-        "bound on the probability that a share is as far from the curve as the farthest (binomial, Bonferroni)",
+        "bound on the probability that a share lies as far from the curve as the farthest one (binomial, Bonferroni)",
     ),
     Variable(
         "fragility_misfit_at",
@@ -283,7 +289,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         r"$\lambda$",
         HAZARD,
         YEARLY,
-        "annual rate at which the limit state is exceeded; motions beyond the end of the hazard curve as if at its end",
+        "annual rate at which the limit state is exceeded; motions beyond the end of the hazard curve count as if at its end",
     ),
     Variable(
         "annual_rate_ci_low", r"$\lambda$", HAZARD, YEARLY, "lower 95 % limit of annual_rate by the suite's scatter"
@@ -292,18 +298,22 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "annual_rate_ci_high", r"$\lambda$", HAZARD, YEARLY, "upper 95 % limit of annual_rate by the suite's scatter"
     ),
     Variable(
-        "annual_rate_above", r"$\lambda$", HAZARD, YEARLY, "most that motions beyond the end of the curve can add"
+        "annual_rate_above",
+        r"$\lambda$",
+        HAZARD,
+        YEARLY,
+        "upper bound of what motions beyond the end of the hazard curve add to annual_rate",
     ),
     Variable(
         "annual_rate_below",
         r"$\lambda$",
         HAZARD,
         YEARLY,
-        "what motions below the first point of the curve would add if its first power law went on down to zero",
+        "what motions below the first point of the hazard curve would add if its first power law continued to zero",
     ),
     Variable("probability_in_age", r"$P$", HAZARD, "1", "probability that the limit state is exceeded within the age"),
     Variable("survival", r"$S$", HAZARD, "1", "probability that the limit state is never exceeded within the age"),
-    Variable("likelihood_ratio", r"$\Lambda$", HAZARD, "1", "survival over that of the hazard curve with the largest"),
+    Variable("likelihood_ratio", r"$\Lambda$", HAZARD, "1", "survival over the largest survival of all hazard curves"),
     Variable("hazard_consistent", "consistent", HAZARD, "1", "1 where survival is at least 5 %"),
     Variable(
         "intensity_bin", r"$x$", INTENSITY_BIN, UNIT_OF_INTENSITY, "geometric mean of the ends of a bin of intensity"
@@ -315,7 +325,7 @@ _SUITE_ROWS: tuple[Variable, ...] = (
         "share of the rate",
         INTENSITY_BIN,
         "1",
-        "share of annual_rate from motions in a bin; those beyond the end of the curve are in the bin of its end",
+        "share of annual_rate from motions in a bin; motions beyond the end of the hazard curve are in its last bin",
     ),
     Variable("percentile", "percentile", PERCENTILE, "%", "probability that the limit state is exceeded"),
     Variable("fragility_status", "status", LIMIT, "1", "whether there is a fragility curve, or why not"),
@@ -353,7 +363,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$\theta_{\mathrm{max}}$",
         CASE,
         "rad",
-        "rotation at the earliest maximum of |theta|; +/-inf overturned",
+        "rotation at the earliest maximum of |theta|; +/-inf if it overturns",
     ),
     Variable(
         "theta_peak_over_alpha",
@@ -391,16 +401,14 @@ _ROWS: tuple[Variable, ...] = (
         r"$n_{\mathrm{impacts}}$",
         CASE,
         "1",
-        "impacts faster than 1e-6 p alpha, of the edge the body turned about before, up to t_end; of a body that rolls "
-        "with the nearer rotation at which it falls in place of alpha",
+        "impacts up to t_end that are faster than 1e-6 p alpha, p and alpha of the edge the body turned about before; for a body that rolls alpha is the nearer rotation at which it falls",
     ),
     Variable(
         "mu_required",
         r"$\mu_{\mathrm{req}}$",
         CASE,
         "1",
-        "largest |T/N| at the base between impacts, of a body that overturns up to its last outward passage of the "
-        "equilibrium; mu of a body that slides; inf where N <= 0",
+        "largest |T/N| at the base between impacts (if the body overturns, up to its last outward passage of the equilibrium); mu for a body that slides; inf where N <= 0",
     ),
     Variable("mu_impact", r"$\mu_{\mathrm{impact}}$", CASE, "1", "largest ratio of impulses at an impact"),
     Variable(
@@ -408,50 +416,52 @@ _ROWS: tuple[Variable, ...] = (
         r"$N_{\mathrm{min}}/mg$",
         CASE,
         "1",
-        "smallest normal force over the weight, of a body that overturns up to its last outward passage of the "
-        "equilibrium; <= 0: the body leaves the ground",
+        "smallest normal force over the weight (if the body overturns, up to its last outward passage of the equilibrium); <= 0: the body leaves the ground",
     ),
     Variable(
         "energy_residual",
         r"$\Delta E/E_{\mathrm{barrier}}$",
         CASE,
         "1",
-        "energy not accounted for by work and impacts, over that of the unstable equilibrium",
+        "energy not accounted for by work and impacts, over the energy of the unstable equilibrium",
     ),
     Variable(
         "landing_loss",
         r"$E_{\mathrm{land}}/E_{\mathrm{barrier}}$",
         CASE,
         "1",
-        "energy a captured base lost at impacts of a flexible body, over that of the unstable equilibrium",
+        "energy a captured base lost at impacts of a flexible body, over the energy of the unstable equilibrium",
     ),
     Variable(
         "slide_peak",
         r"$|u|_{\mathrm{max}}$",
         CASE,
         "m",
-        "largest |displacement along the ground|, of a body that overturns up to its last outward passage of the "
-        "equilibrium; NaN without mu, inf where no friction stops it",
+        "largest |displacement along the ground| (if the body overturns, up to its last outward passage of the equilibrium); NaN without mu, inf where no friction stops it",
     ),
     Variable(
         "slide_residual",
         r"$u_{\mathrm{res}}$",
         CASE,
         "m",
-        "displacement along the ground in the end; NaN without mu, and of a body that overturns, inf or -inf where no "
-        "friction stops it",
+        "displacement along the ground at the end; NaN without mu or if the body overturns, inf or -inf where no friction stops it",
     ),
     Variable(
         "residual_tilt",
         r"$\theta_{\mathrm{res}}$",
         CASE,
         "rad",
-        "rotation in which the body comes to rest, of one that rolls over several vertices that of the facet it ends on; "
-        "NaN of one that overturns, or that nothing brings to rest",
+        "rotation in which the body comes to rest (the facet it ends on, if it rolls over several vertices); NaN if it overturns, or if nothing brings it to rest",
     ),
     Variable("n_slips", r"$n_{\mathrm{slips}}$", CASE, "1", "how often the base begins to slip; NaN without mu"),
     Variable("n_flights", r"$n_{\mathrm{flights}}$", CASE, "1", "how often the body leaves the ground; NaN without mu"),
-    Variable("n_jams", r"$n_{\mathrm{jams}}$", CASE, "1", "how often no finite force lets it slide on; NaN without mu"),
+    Variable(
+        "n_jams",
+        r"$n_{\mathrm{jams}}$",
+        CASE,
+        "1",
+        "how often no finite force lets the body slide on (jamming); NaN without mu",
+    ),
     Variable("t_slip", r"$t_{\mathrm{slip}}$", CASE, "s", "when the base first slips; NaN if it does not"),
     Variable(
         "t_flight", r"$t_{\mathrm{flight}}$", CASE, "s", "when the body first leaves the ground; NaN if it does not"
@@ -471,8 +481,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$\epsilon_{\mathrm{model}}$",
         CASE,
         "1",
-        "model auto: error of theta_peak_over_alpha expected against the highest model; NaN where that one was used, or "
-        "the body overturns",
+        "model auto: expected error of theta_peak_over_alpha against the highest model; NaN where the highest model was used, or the body overturns",
     ),
     Variable("n_steps", r"$n_{\mathrm{steps}}$", CASE, "1", "steps of the solver"),
     Variable("n_rhs", r"$n_{\mathrm{rhs}}$", CASE, "1", "evaluations of the right-hand side (docs/trade.md)"),
@@ -552,7 +561,7 @@ _ROWS: tuple[Variable, ...] = (
         r"PGA$_{\mathrm{uplift}}$",
         CASE,
         "m s-2",
-        "asymmetric bodies: the PGA above which the motion, scaled, lifts the body about the edge it reaches first",
+        "asymmetric bodies: the PGA above which the scaled motion lifts the body, about the edge that lifts first",
     ),
     Variable("g", r"$g$", CASE, "m s-2", "acceleration of gravity"),
     Variable(
@@ -560,7 +569,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$W/(M\,g)$",
         CASE,
         "1",
-        "FEMA-356: the PGA from which bodies lift over g tan(alpha); nothing where it asks a spectrum",
+        "FEMA-356: uplift PGA over g tan(alpha); NaN where a spectrum decides",
     ),
     Variable("a_p", r"$a_p$", CASE, "m s-2", "pulse amplitude"),
     Variable("omega_p", r"$\omega_p$", CASE, "rad s-1", "circular frequency of the pulse"),
@@ -582,7 +591,11 @@ _ROWS: tuple[Variable, ...] = (
     ),
     Variable("pulse_period", r"$T_{\mathrm{pulse}}$", CASE, "s", "period of the velocity pulse, as its database says"),
     Variable(
-        MOTION, "motion", CASE, "1", "number of the ground motion: cases of one number have the same, but for its scale"
+        MOTION,
+        "motion",
+        CASE,
+        "1",
+        "number of the ground motion; cases with the same number have the same motion, apart from its scale",
     ),
     Variable("theta", r"$\theta$", TIME, "rad", "rotation"),
     Variable("theta_dot", r"$\dot\theta$", TIME, "rad s-1", "angular velocity"),
@@ -622,7 +635,7 @@ _ROWS: tuple[Variable, ...] = (
         r"$\Delta|\theta|_{\mathrm{max}}/\alpha$",
         CASE,
         "1",
-        "theta_peak_over_alpha minus the reference's",
+        "theta_peak_over_alpha minus that of the reference",
     ),
     Variable(
         "error_history",
@@ -631,7 +644,7 @@ _ROWS: tuple[Variable, ...] = (
         "1",
         "largest |theta - theta_ref|/alpha before either overturns",
     ),
-    Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with the reference's"),
+    Variable("same_outcome", "same outcome", CASE, "1", "1 where the outcome agrees with that of the reference"),
     Variable(
         "boundary",
         "boundary",
@@ -640,11 +653,15 @@ _ROWS: tuple[Variable, ...] = (
         "refine: what changes at a curve; its points are boundary_<axis>, for every axis",
     ),
     Variable("boundary_curve", "curve", BOUNDARY_POINT, "1", "refine: number of the curve a point belongs to"),
-    Variable("solved", "solved", CASE, "1", "refine: 1 solved; 0 not solved, the outcome is that all around"),
+    Variable("solved", "solved", CASE, "1", "refine: 1 solved; 0 filled in, with the outcome of the points around it"),
     Variable(
-        "audit_same_outcome", "same outcome", CASE, "1", "1 where a tighter run gave the same outcome, 0 where another"
+        "audit_same_outcome",
+        "same outcome",
+        CASE,
+        "1",
+        "1 where a tighter run gave the same outcome, 0 where it gave another",
     ),
-    Variable("audit_error", r"$\Delta|\theta|_{\mathrm{max}}/\alpha$", CASE, "1", "|peak - that of a tighter run|"),
+    Variable("audit_error", r"$\Delta|\theta|_{\mathrm{max}}/\alpha$", CASE, "1", "|peak - peak of a tighter run|"),
     Variable("audit_disagreements", "disagreements", CASE, "1", "outcomes and peaks a tighter run does not confirm"),
     Variable("cost", "cost per case", SETTING, "s", "time per case of the sample, in one process"),
     Variable("error_median", r"median $|\epsilon|$", SETTING, "1", "median of |error_theta_peak_over_alpha|"),
