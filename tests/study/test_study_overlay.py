@@ -182,6 +182,20 @@ class TestAlternatives:
         assert batch.block.top == pytest.approx([3.0, 3.0])
 
     @pytest.mark.parametrize(
+        ("rows", "said"),
+        [
+            ("block.R\na,2\nb,null\n", r"under-determined.*\(at case = b\)"),
+            ("block.h\na,null\nb,0.4\n", r"over-determined.*\(at case = b\)"),
+        ],
+    )
+    def test_the_row_whose_sizes_do_not_suit_is_named(self, tmp_path, rows, said):
+        (tmp_path / "bodies.csv").write_text("name," + rows)
+        study = {"name": "x", "case": BASE, "vary": {"case": "bodies.csv", "motion.pulse.a_p": [2, 3]}}
+        (tmp_path / "s.yaml").write_text(yaml.dump(study))
+        with pytest.raises(StudyError, match=said):
+            list(open_study(tmp_path / "s.yaml").batches())
+
+    @pytest.mark.parametrize(
         ("vary", "expected"),
         [
             ({"block": {"h": 1.5}}, "over-determined by R, h, tan_alpha"),

@@ -57,10 +57,11 @@ def sufficient_pair(numbers: Numbers) -> Block:
             numbers.fail((*BLOCK, keys[-1]), f"{why}: {UNEVEN}" if keys == [*HEIGHT] else why)
     names = [key for keys in given for key in keys]
     if len(names) > 2:
-        numbers.fail((*BLOCK, names[-1]), f"the block is over-determined by {', '.join(names)}; {SUFFICIENT} suffice")
+        said = f"the block is over-determined by {', '.join(names)}; {SUFFICIENT} suffice"
+        numbers.fail_body((*BLOCK, names[-1]), said)
     if len(names) < 2:
         has = f"has only {names[0]}" if names else "has no size"
-        numbers.fail(BLOCK, f"the block is under-determined: it {has}; {SUFFICIENT} are needed")
+        numbers.fail_body(BLOCK, f"the block is under-determined: it {has}; {SUFFICIENT} are needed")
     edges = _edges(numbers, block)
     if edges is not None and given[1] == []:
         numbers.fail((*BLOCK, "b"), "an asymmetric body, b: [left, right], needs h or height beside it")

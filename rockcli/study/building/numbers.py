@@ -199,6 +199,11 @@ class Numbers:
         name = ".".join(str(key) for key in keys)
         raise self.source.placed(where, f"{name}{suffix}: {message}{f' (at {context})' if context else ''}")
 
+    def fail_body(self, keys: Keys, message: str) -> NoReturn:
+        """Raise StudyError about the body given at `keys`, with the values of the axes that make it."""
+        _, context = self._spot(None, 0, bodies=True)
+        self.fail(keys, f"{message} (at {context})" if context else message)
+
     def named(self, i: int, key: str = "") -> str:
         """Body of case i by the axes that make it, and where it is said: `block.alpha = 1, study.yaml:5`.
 
