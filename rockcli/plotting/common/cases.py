@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.labels import coordinate_label
-from rockcli.scene.response import OUTCOMES
+from rockcli.scene.response import OUTCOMES, overturned
 from rockcli.scene.thresholds import Thresholds
 from rockcli.scene.variables import PEAK
 
@@ -91,6 +91,11 @@ def outcome_at(dataset: xarray.Dataset, position: tuple[int, ...]) -> str:
     """Meaning of a case's outcome, "" if it was not saved, or is masked (`dataset.where`)."""
     flag = number_at(dataset, "outcome", position)
     return "" if np.isnan(flag) else OUTCOMES[int(flag)]
+
+
+def has_overturned(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
+    """Whether a case overturned, with or without an impact before."""
+    return bool(overturned(number_at(dataset, "outcome", position)))
 
 
 def pick(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.common.cases import Array, number_at, outcome_at, values_at
+from rockcli.plotting.common.cases import Array, has_overturned, number_at, values_at
 from rockcli.scene.body.block import LEFT, RIGHT
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def window(dataset: xarray.Dataset, positions: list[Position]) -> Window:
     """
     time = np.asarray(dataset["time"].values, dtype=float)
     ratios = [np.abs(over_alpha(dataset, position, values_at(dataset, "theta", position))) for position in positions]
-    fell = [outcome_at(dataset, position).startswith("overturned") for position in positions]
+    fell = [has_overturned(dataset, position) for position in positions]
     speeds = [sliding_speed(dataset, position) for position in positions]
     alive = np.any([np.isfinite(ratio) for ratio in ratios], axis=0)
     whole = float(time[alive][-1]) if alive.any() else float(time[-1])

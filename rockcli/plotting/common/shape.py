@@ -12,7 +12,7 @@ from matplotlib.path import Path
 
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
 from rockcli.plotting.common.case_settings import case_settings
-from rockcli.plotting.common.cases import Array, axes_of, outcome_at, values_at
+from rockcli.plotting.common.cases import Array, axes_of, has_overturned, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.body.lower_outline import LEVEL, lower_hull, rolled
@@ -148,7 +148,7 @@ def motion_of(dataset: xarray.Dataset, position: tuple[int, ...]) -> Motion:
     known = np.flatnonzero(np.isfinite(theta))
     last = int(known[-1]) + 1 if len(known) else 0
     theta = theta[:last]
-    if last and outcome_at(dataset, position).startswith("overturned") and abs(theta[-1]) > _LIES:
+    if last and has_overturned(dataset, position) and abs(theta[-1]) > _LIES:
         theta = np.append(theta[:-1], np.copysign(0.5 * np.pi, theta[-1]))
     a_g, slide, lift = (
         values_at(dataset, name, position)[:last] if name in dataset.variables else np.zeros(last)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 
 from rockcli.errors import StudyError
-from rockcli.plotting.common.cases import Array, number_at, outcome_at
+from rockcli.plotting.common.cases import Array, has_overturned, number_at, outcome_at
 from rockcli.plotting.common.labels import title_of, unit_g
 from rockcli.plotting.common.response import SHOWN_UP_TO, over_alpha, window
 from rockcli.plotting.common.shape import Body, body_of, friction_marks, motion_of, outline, path_of
@@ -82,7 +82,7 @@ def scenes(
         raise StudyError("--magnify: this body does not bend")
     whole = float(motion.time[-1])
     seen = window(dataset, [position])
-    fell = outcome_at(dataset, position).startswith("overturned")
+    fell = has_overturned(dataset, position)
     first = seen.start if start is None else start
     last = (whole if fell else min(seen.end, whole)) if end is None else end
     if not 0.0 <= first < last <= whole * (1.0 + 1e-9):
@@ -135,7 +135,7 @@ class _Stage:
         self.slide = slide
         self.scratches, self.scratched_at = friction_marks(body, motion)
         self.ratio = over_alpha(dataset, position, theta)
-        fell = outcome_at(dataset, position).startswith("overturned")
+        fell = has_overturned(dataset, position)
         self.fall = number_at(dataset, "t_overturn", position) if fell else np.inf
         self.figure = Figure(figsize=(_WIDTH, _HEIGHT), dpi=_DPI, layout="constrained")
         self.canvas: Any = FigureCanvasAgg(self.figure)

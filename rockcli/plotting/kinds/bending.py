@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from rockcli.plotting.common.cases import Shown, axes_of, outcome_at, pick, selection_note, values_at
+from rockcli.plotting.common.cases import Shown, axes_of, has_overturned, pick, selection_note, values_at
 from rockcli.plotting.common.ground import draw_ground, motions
 from rockcli.plotting.common.labels import path_of, title_of, variable_label
 from rockcli.plotting.common.response import SHOWN_UP_TO, Window, over_alpha, window
@@ -96,7 +96,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
             if len(members) < len(curves) and number == 0:
                 axes.set_title(curves[members[0]].label, loc="left", fontsize=8.0, pad=2.0)
-        fell |= any(outcome_at(dataset, position).startswith("overturned") for position in positions)
+        fell |= any(has_overturned(dataset, position) for position in positions)
         panels[0].set_title(column.label, fontsize=9.0)
         panels[-1].set_xlabel("time [s]")
         panels[-1].set_xlim(seen.start, seen.end)
@@ -132,7 +132,7 @@ def _curve(
     values = ratio if name == "theta" else values_at(dataset, name, position)
     last = len(time)
     inside = (time >= seen.start) & (time <= seen.end) & np.isfinite(values)
-    if outcome_at(dataset, position).startswith("overturned"):
+    if has_overturned(dataset, position):
         standing = np.flatnonzero(np.abs(ratio) <= 1.0)
         followed = np.flatnonzero(np.abs(ratio) <= SHOWN_UP_TO)
         last = followed[-1] + 2 if len(followed) else 0

@@ -32,7 +32,7 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import left_out_words, members_word, panels, suite_of
 from rockcli.plotting.kinds.fragility import first_motion, intensity_label, second_symbol
 from rockcli.plotting.kinds.map import scale_axes
-from rockcli.scene.response import OUTCOMES
+from rockcli.scene.response import overturned
 
 if TYPE_CHECKING:
     import xarray
@@ -104,7 +104,7 @@ def _both(dataset: xarray.Dataset, told_against: str) -> tuple[Array, Array]:
 def _panel(axes: Axes, part: xarray.Dataset, told_against: str) -> None:
     x, y = _both(part, told_against)
     flags = part["outcome"].transpose(*part[SECOND].dims).values
-    fell = np.isin(flags, [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")])
+    fell = overturned(flags)
     stands = ~fell & (flags >= 0)
     dots: dict[str, Any] = {"linestyle": "", "markersize": 3.0, "markeredgewidth": 0.5}
     axes.plot(x[stands], y[stands], "o", color=QUIET, markerfacecolor="none", label="remains stable", **dots)

@@ -13,9 +13,9 @@ from rockcli.plotting.common.cases import (
     axes_of,
     followed,
     group_label,
+    has_overturned,
     is_numeric,
     number_at,
-    outcome_at,
     reference_on_axes,
     reference_words,
     same_key,
@@ -243,7 +243,7 @@ def _column(panel: dict[str, Axes], dataset: xarray.Dataset, cases: list[Positio
             else {"color": COLOURS[number], "linewidth": _width(number, len(cases)), "zorder": 3}
         )
         response = response_of(dataset, case)
-        lost = outcome_at(dataset, case).startswith("overturned") & (np.abs(response.ratio) > SHOWN_UP_TO)
+        lost = has_overturned(dataset, case) & (np.abs(response.ratio) > SHOWN_UP_TO)
         panel["theta"].plot(response.time, np.where(lost, np.nan, response.ratio), **drawn)
         if "rate" in panel:
             panel["rate"].plot(response.time, np.where(lost, np.nan, response.rate), **drawn)

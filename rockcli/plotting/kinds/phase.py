@@ -12,6 +12,7 @@ from rockcli.plotting.common.case_law import may_have_dashpot, model_of
 from rockcli.plotting.common.cases import (
     Array,
     Shown,
+    has_overturned,
     outcome_at,
     pick,
     reference_words,
@@ -134,7 +135,7 @@ def _portrait(axes: Axes, dataset: xarray.Dataset, at: tuple[int, ...], width: f
         if np.isfinite(x[0]) and abs(x[0]) + abs(y[0]) > 0.0:
             axes.plot(x[0], y[0], "o", color=COLOURS[0], markersize=3.5, zorder=5)
     inside = np.isfinite(x) & np.isfinite(y)
-    if outcome_at(dataset, at).startswith("overturned"):
+    if has_overturned(dataset, at):
         inside &= np.abs(x) <= _SHOWN_UP_TO
     return np.array([np.abs(x[inside]).max(initial=0.0), np.abs(y[inside]).max(initial=0.0), jump])
 

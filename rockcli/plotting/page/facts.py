@@ -29,7 +29,7 @@ from rockcli.plotting.common.suite import medians_beyond
 from rockcli.scene.body.block import LEFT, RIGHT
 from rockcli.scene.body.lower_outline import facets_of
 from rockcli.scene.ground.amplitudes import AMPLITUDES
-from rockcli.scene.response import OUTCOMES
+from rockcli.scene.response import OUTCOMES, overturned
 from rockcli.scene.thresholds import BELOW, FOUND, IN_RANGE, NONE, Thresholds
 from rockcli.scene.variables import HAZARD, LIMIT, PEAK
 
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-_OVERTURNED = [flag for flag, name in OUTCOMES.items() if name.startswith("overturned")]
 
 _FEW_SHARES = 12
 """Points up to which probabilities are told one by one."""
@@ -70,18 +69,18 @@ def sentence_of(dataset: xarray.Dataset) -> str:
         return ""
     flags = np.ravel(dataset["outcome"].values)
     names = [OUTCOMES[int(flag)] for flag in flags[np.isfinite(flags)]]  # what `dataset.where` masks is no case
-    overturned = sum(name.startswith("overturned") for name in names)
+    fallen = int(overturned(flags).sum())
     rocks, slides, still = (names.count(name) for name in ("rocking", "sliding", "no_uplift"))
-    unknown = len(names) - overturned - rocks - slides - still
+    unknown = len(names) - fallen - rocks - slides - still
     if len(names) == 1:
         return {
             "no_uplift": "The body stays at rest: the motion does not lift it.",
             "rocking": "The body rocks from edge to edge and comes back: it does not overturn.",
             "sliding": "The body slides along the ground without lifting.",
             "failed": "The case has no answer; see the notes.",
-        }.get(names[0], "The body overturns." if overturned else "The outcome cannot be told: see the notes.")
+        }.get(names[0], "The body overturns." if fallen else "The outcome cannot be told: see the notes.")
     parts = (
-        (overturned, "overturns", "overturn"),
+        (fallen, "overturns", "overturn"),
         (rocks, "rocks and comes back", "rock and come back"),
         (slides, "slides", "slide"),
         (still, "stays at rest", "stay at rest"),
@@ -255,7 +254,7 @@ def _overturning(dataset: xarray.Dataset) -> list[Fact]:
         role = path_of(dataset, axis).rsplit(".", 1)[-1]
         if role in AMPLITUDES and is_numeric(dataset, axis):
             flags = dataset["outcome"].transpose(axis, ...).values
-            fell = np.isin(flags, _OVERTURNED).any(axis=tuple(range(1, flags.ndim)))
+            fell = overturned(flags).any(axis=tuple(range(1, flags.ndim)))
             if fell.any():
                 unit = shown_unit(dataset, axis)[1]
                 lowest = min(axis_values(dataset, axis)[fell].tolist(), key=abs)  # to either side
