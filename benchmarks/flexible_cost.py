@@ -12,9 +12,8 @@ a setting reaches a bound if it and every smaller step of the ladder stay within
 are CPU times, which other work on the machine disturbs little, the best of a few runs taken in turn.
 
 The converged histories differ, since the solvers do not discretise the same column: `frame` shares the additional rotary
-inertia out in equal parts (the event solver and OpenSees: half parts at both ends), and OpenSees damps by the committed
-stiffness, weight included, which feeds the rocking mode (the others leave that mode undamped).  The event solver is run
-with each of these in its own terms, and its distance to the peer before and after is in the table.
+inertia out in equal parts (the event solver and OpenSees: half parts at both ends).  The event solver is run with equal
+parts too, and its distance to the peer before and after is in the table.
 Writes results/flexible_cost.csv.
 """
 
@@ -38,7 +37,6 @@ from machine import write_results
 from rockcli.engine.backends import choose
 from rockcli.solvers.flexible import column as columns
 from rockcli.solvers.flexible.beam import Beam, unit_beam
-from rockcli.solvers.flexible.modes import Modes, make_modes
 from rockcli.study.open import open_study
 
 HERE = Path(__file__).resolve().parent
@@ -132,7 +130,7 @@ def in_turn(*jobs: Callable[[], Any]) -> list[float]:
 
 
 def event_as(peer: str, elements: int) -> np.ndarray:
-    """The converged event solver on the peer's column: its shares of rotary inertia, its damping."""
+    """The converged event solver on the peer's column: its shares of rotary inertia."""
 
     def shared_equally(n: int, mass: str) -> Beam:
         beam = unit_beam(n, mass)
@@ -141,21 +139,12 @@ def event_as(peer: str, elements: int) -> np.ndarray:
         rotary[turning, turning] = 1.0 / (n + 1)
         return replace(beam, rotary=rotary)
 
-    def rocking_damped(beam: Beam, *, zeta: float, **how: Any) -> Modes:
-        modes = make_modes(beam, zeta=zeta, **how)
-        beta = 2.0 * zeta / modes.omega_1
-        c, row_v = modes.c.copy(), modes.row_v.copy()
-        c[1], row_v[0] = beta * modes.lam[1], beta * modes.row[0]
-        return replace(modes, c=c, row_v=row_v)
-
     try:
         if peer == "frame":
             columns.unit_beam = shared_equally
-        else:
-            columns.make_modes = rocking_damped
         return history(elements, {"backend": "event", "accuracy": "reference"})
     finally:
-        columns.unit_beam, columns.make_modes = unit_beam, make_modes
+        columns.unit_beam = unit_beam
 
 
 def ladder(elements: int, peer: str) -> list[Run]:

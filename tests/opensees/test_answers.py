@@ -211,6 +211,38 @@ def test_a_column_let_go_begins_bent_by_its_turned_weight(fibres):
     assert (ours.min(), ours.max()) == pytest.approx((ours[0], frame.max()), rel=0.05)
 
 
+def test_damping_of_a_column_leaves_its_rocking_alone():
+    """Rayleigh damping has the axial force in its stiffness: .6 alpha grew to .66 in four half cycles."""
+    body = make_block(h=2.5, b=0.5)
+    p, theta = np.sqrt(0.75 * G / np.hypot(2.5, 0.5)), 0.6 * np.arctan(0.2)
+    batch = make_batch(body, still(7.0 / p), eta=1.0, theta_0=theta, histories=True, dt_out=0.02)
+    E = 2500.0 * (12.3809 * 2.5 / 0.2 * p / 0.1) ** 2  # p T_1 = .1, T_1 by (4.3)
+    column = Column(array(E), array(2500.0), array(0.3), 2, "consistent")
+    batch = replace(batch, model="flexible", column=column, numerics=Numerics(dt=float(1e-3 / p)))
+    ours, other = (answer(batch).histories for answer in (solve, solve_flexible))
+    np.testing.assert_allclose(ours["theta"], other["theta"], atol=0.01 * theta)
+    # in the first step what the weight has put into the elements is no rate
+    np.testing.assert_allclose(ours["u_top"][0, :3], other["u_top"][0, :3], rtol=2e-3)
+
+
+@pytest.mark.parametrize("alpha_d", [None, 0.7])
+def test_zeta_is_that_of_the_clamped_column(alpha_d):
+    """On stiff fibres, below uplift: its decay, with the integrator of hht too."""
+    body = make_block(h=2.5, b=0.5)
+    E = 2500.0 * (12.3809 * 2.5 / 0.2 / 0.2) ** 2  # T_1 = .2 s
+    motion = pulse("half_sine", 0.1, 2.0 * np.pi / 0.16, duration=1.0)
+    batch = make_batch(body, motion, eta=1.0, histories=True, dt_out=1e-3)
+    column, base = Column(array(E), array(2500.0), array(0.05), 3, "consistent"), Base("winkler", array(1e12), 5)
+    batch = replace(batch, model="flexible", column=column, base=base, numerics=Numerics(dt=5e-4))
+    if alpha_d is not None:
+        batch = replace(batch, damping=Damping("hht", np.ones((1, 2)), alpha_d=array(alpha_d)))
+    response = solve(batch)
+    assert response.scalars["outcome"][0] == 0
+    u = np.abs(response.histories["u_top"][0])
+    peaks = u[1:-1][(u[1:-1] > u[:-2]) & (u[1:-1] >= u[2:])][-8:]
+    assert np.log(peaks[0] / peaks[-1]) / 7.0 / np.pi == pytest.approx(0.05, rel=0.03)
+
+
 @pytest.mark.parametrize("mass", [np.nan, 4e6])
 def test_moment_of_the_base_of_a_column_is_per_unit_mass_or_of_the_mass_given(mass):
     batch = flexible(eta=1.0, zeta=0.01, duration=1.5, histories=True, dt_out=0.01)

@@ -107,10 +107,12 @@ ops.fix(BASE, 1, 0, 0)  # the base turns and moves vertically on the fibres, but
 ELEMENTS = """\
 ops.geomTransf(TRANSFORMATION, 1)
 for i in range(len(heights) - 1):
-    ops.element("elasticBeamColumn", i + 1, BASE + i, BASE + i + 1, A, E, I, 1{mass})
+    ops.element("elasticBeamColumn", i + 1, BASE + i, BASE + i + 1, A, E, I, 1{mass}{damping})
 """
 
 ELEMENT_MASS = ', "-mass", m / L, "-cMass"'
+
+ELEMENT_DAMPING = ', "-damp", 1'
 
 SPRING_OF_LAW = {
     "softening": """\
@@ -243,11 +245,12 @@ for i, weight in enumerate(weights):
     ops.load(BASE + i, 0.0, weight, 0.0)
 """
 
-RAYLEIGH = """\
-# Stiffness-proportional damping, zeta at the first mode of the clamped column; of the committed stiffness, since the
-# initial one would damp the rigid rotation.  Zero-length elements take no part in it.
+STIFFNESS_DAMPING = """\
+# Stiffness-proportional damping, zeta at the first mode of the clamped column, of the forces within the elements.
+# Rayleigh damping (ops.rayleigh) has the axial force in its stiffness: under weight it would drive the rocking.
+# It begins with the second step: in the first OpenSees 3.7 takes what the weight put into the elements for a rate.
 omega_1 = 1.8751041**2 * math.sqrt(E * I / (m / L * L**4))
-ops.rayleigh(0.0, 0.0, 0.0, 2.0 * zeta / omega_1)
+ops.damping("SecStif", 1, 2.0 * zeta / omega_1{integrator}, "-activateTime", 1.5 * DT)
 """
 
 INITIAL = """\

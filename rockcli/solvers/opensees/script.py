@@ -104,9 +104,10 @@ def _model(batch: Batch, case: CaseOfOpenSees) -> list[str]:
     linear = batch.numerics.method == "linear"
     parts.append(pieces.NODES + (pieces.ON_FIBRES if fibres else pieces.HINGED))
     parts.append(f'TRANSFORMATION = "{"Linear" if linear else "Corotational"}"\n')
-    parts.append(pieces.ELEMENTS.format(mass=pieces.ELEMENT_MASS if case.consistent else ""))
     if "zeta" in known:
-        parts.append(pieces.RAYLEIGH)
+        parts.append(pieces.STIFFNESS_DAMPING.format(integrator=" * alpha_d" if "alpha_d" in known else ""))
+    mass, damping = pieces.ELEMENT_MASS * case.consistent, pieces.ELEMENT_DAMPING * ("zeta" in known)
+    parts.append(pieces.ELEMENTS.format(mass=mass, damping=damping))
     parts.append("\n")
     parts.append(pieces.FIBRES if fibres else pieces.SPRING_OF_LAW[case.law] + pieces.SPRING)
     if "c" in known:
