@@ -56,6 +56,13 @@ def test_eta_alpha_and_p_from_a_noisy_history(tmp_path: Path) -> None:
     assert found["notes"] == []
 
 
+def test_rows_close_together_ask_for_no_finer_history(tmp_path: Path) -> None:
+    t = np.sort(np.append(np.arange(0.0, 2.0, 0.04), 1.0 + 1e-9))
+    file = write(tmp_path / "twice.txt", t, free_rocking(0.6 * ALPHA_0, t))
+    found = identified(str(file), "--alpha", str(ALPHA_0), "--p", str(P_0))
+    assert found["parameters"]["eta"]["value"] == pytest.approx(ETA_0, rel=1e-4)
+
+
 def test_eta_of_a_driven_body(tmp_path: Path) -> None:
     # a shake table: the motion in the study, the history by the solver under another eta
     import rockcli
