@@ -20,6 +20,7 @@ from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
 from rockcli.storage.atomic import replacing, write_text
 from rockcli.storage.places import check_file
+from rockcli.study.document.values import reads_as_number
 from rockcli.study.open import open_study
 
 Array = NDArray[np.float64]
@@ -98,7 +99,7 @@ def read_measured(path: Path, *, degrees: bool) -> Measured:
         try:
             row = [float(word) for word in words]
         except ValueError:
-            if not rows and not _is_number(words[0]):  # a line of headings
+            if not rows and not reads_as_number(words[0]):  # a line of headings
                 continue
             raise StudyError(f"expected numbers, not {line.strip()!r}", file=path, line=number) from None
         if _DECIMAL_COMMAS.search(line):
@@ -129,14 +130,6 @@ def _check_units(line: str, path: Path, number: int, *, degrees: bool) -> None:
         else:
             continue
         raise StudyError(message, file=path, line=number)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def amplitudes_of(measured: Measured) -> Array:

@@ -22,7 +22,7 @@ from rockcli.scene.units import g_of
 from rockcli.study.document.dimensions import stated_number
 from rockcli.study.document.expressions import constant, says_its_unit
 from rockcli.study.document.tree import Keys, Map, Source, value_at
-from rockcli.study.document.values import describe
+from rockcli.study.document.values import describe, reads_as_number
 from rockcli.study.inputs import Inputs, csv_rows
 from rockcli.study.intensity import bare, period_of
 from rockcli.study.schema import HazardPart, StudyPart
@@ -227,7 +227,7 @@ def _file(inputs: Inputs, path: Path, site: tuple[float, float] | None) -> _Read
             file=path,
         )
     (line, (first, second)), *points = rows
-    if _is_number(first):
+    if reads_as_number(first):
         raise StudyError("the first line names the columns, as `pga [g],rate`", file=path, line=line)
     said, _, unit = (part.strip() for part in first.rstrip("] ").partition("["))
     name = bare(said)  # a hazard curve is of the ground
@@ -291,15 +291,7 @@ def _is_spectral(name: str) -> bool:
         return False
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
 def _cell(path: Path, line: int, cell: str) -> float:
-    if not _is_number(cell):
+    if not reads_as_number(cell):
         raise StudyError(f"{cell!r} is no number", file=path, line=line)
     return float(cell)

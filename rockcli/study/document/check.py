@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from rockcli.errors import StudyError
 from rockcli.study.document.complaints import MOST, short
 from rockcli.study.document.tree import Keys, Map, Source, Where, dotted, meant, nearest, place, value_at
-from rockcli.study.document.values import ONE_NUMBER, Number, describe
+from rockcli.study.document.values import ONE_NUMBER, Number, describe, reads_as_number
 from rockcli.study.schema import CasePart, Part, StudyPart
 
 P = TypeVar("P", bound=Part)
@@ -128,7 +128,7 @@ def _of_several(study: Map, keys: Keys, said: str) -> str:
 
 def _slip(key: str) -> str:
     """What was meant by a key without a value: the second of 1,8, or a key and its value in one word."""
-    if _reads_as_number(key):
+    if reads_as_number(key):
         return "decimals have a point, 1.8, and several numbers brackets, [1, 8]"
     before, colon, after = key.partition(":")
     return f"a blank belongs behind the colon: {before}: {after}" if colon and before and after else ""
@@ -154,7 +154,7 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
         missing = detail["loc"][-1]
         inside = f" in {name}" if name else ""
         return where, f"the key {missing!r} is missing{inside}"
-    if kind == "literal_error" and keys[-2:] == ("damping", "scheme") and _reads_as_number(value_at(study, keys)):
+    if kind == "literal_error" and keys[-2:] == ("damping", "scheme") and reads_as_number(value_at(study, keys)):
         said = value_at(study, keys)
         return where, f"{dotted(keys[:-1])} is {said}; for that coefficient of restitution write {{eta: {said}}}"
     if kind == "literal_error":
@@ -183,14 +183,6 @@ def _sentence(study: Map, part: type[Part], at: Keys, detail: dict[str, Any]) ->
             return where, f"{name} is {value}; expected {expected.format(**detail.get('ctx', {}))}{as_one}"
     message = detail["msg"].replace("Input should", "it should")
     return where, f"{name} is {value}: {message[0].lower()}{message[1:]}"
-
-
-def _reads_as_number(value: Any) -> bool:
-    try:
-        float(value)
-    except (TypeError, ValueError):
-        return False
-    return True
 
 
 def _followed(tree: Any, loc: tuple[str | int, ...]) -> Keys:

@@ -43,6 +43,15 @@ def is_finite(value: float) -> bool:
         return False
 
 
+def reads_as_number(value: Any) -> bool:
+    """Whether a number or a text is one as Python reads it; an expression is not."""
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
 def describe(value: Any) -> str:
     """A value as an error message shows it."""
     if isinstance(value, dict):
