@@ -17,7 +17,6 @@ import pytest
 import rolling_cases
 import swept
 from analytic import test_asymmetric as asymmetric
-from cli import test_sweep
 from contact import test_contact_closed_forms as contact
 from contact import test_contact_decay as decay
 from contact import test_contact_turns as turns_of_contact
@@ -28,6 +27,7 @@ from cross import test_lanes_records as lanes_records
 from cross import test_lanes_records_duration as lanes_that_end
 from cross import test_lanes_records_forces as forces_of_lanes
 from cross import test_lanes_records_vertical as lifted_lanes
+from engine import test_sweep
 from flexible import test_column as column
 from frame import test_models as frame
 from frame.frames import ricker
