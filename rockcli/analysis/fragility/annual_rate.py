@@ -20,6 +20,9 @@ TOLERANCE = 1e-8
 
 _HALVINGS = 12
 
+_SPACING = 0.2
+"""Steps of the capacities of many curves, in their betas."""
+
 _REACH = 12.0
 """Standard deviations of the curve from its median to which its steps are followed."""
 
@@ -81,6 +84,28 @@ def annual_rate(curve: Fragility, hazard: HazardCurve, edges: Array | None = Non
     end, beyond = float(curve(np.array([last]))[0]), float(hazard.rate[-1])
     parts[_bin(bins, np.array([last * (1.0 - 1e-12)]))] += end * beyond
     return Rate(float(parts.sum()), (1.0 - end) * beyond, _below(curve, hazard, steps), parts)
+
+
+def rates_of(above: Array, beta: Array, begins_at: float, hazard: HazardCurve) -> Array:
+    """Rates of many curves at once, (...), to a hundredth: mean rates of the hazard at capacities.
+
+    It is `total` of `annual_rate`, integrated by parts: capacities below the first point of the hazard curve have the
+    rate there, as motions below it are not counted, and those beyond its last point none.
+
+    Args:
+        above: (...) ln(median - begins_at); beta: (...).
+    """
+    from scipy.special import ndtr
+
+    beyond = float(hazard.intensity[-1]) - begins_at
+    if beyond <= 0.0:
+        return np.zeros(above.shape)
+    end = ((np.log(beyond) - above) / beta)[..., None]
+    z = np.minimum(np.arange(-10.0, 6.0, _SPACING), end)
+    u = np.log(begins_at + np.exp(above[..., None] + beta[..., None] * z))
+    rate = np.exp(np.interp(u, np.log(hazard.intensity), np.log(hazard.rate)))
+    edges = np.concatenate([np.full_like(end, -np.inf), 0.5 * (z[..., 1:] + z[..., :-1]), end], axis=-1)
+    return np.asarray((rate * np.diff(ndtr(edges), axis=-1)).sum(axis=-1))
 
 
 def _bin(edges: Array, x: Array) -> NDArray[np.int64]:

@@ -75,6 +75,38 @@ class Seen:
     shared: Index | None = None
 
 
+@dataclass(frozen=True)
+class Scatter:
+    """What the scatter of a suite says of a curve.
+
+    ln(median - x_0) is q + least beta, whose two parts are not correlated; q is taken as normal, of standard deviation
+    `scale` beta, and beta as chi, as both are of capacities that are all known (Owen 1968).  So the estimates allow
+
+        beta' = unbiased/sqrt(chi2/freedom),
+        ln(median - x_0)' = ln(median - x_0) + least (beta' - beta) + scale beta' Z.
+
+    Attributes:
+        beta: the estimate; unbiased: freed of its bias; freedom: degrees of freedom that give its variance.
+    """
+
+    beta: float
+    unbiased: float
+    freedom: float
+    least: float
+    scale: float
+
+    def allowed(self, chance: Array, z: Array) -> tuple[Array, Array]:
+        """How far ln(median - x_0) is from its estimate, (k, m), and beta, (k,).
+
+        Args:
+            chance: (k,) probabilities of chi2; z: (m,) values of the normal variable Z.
+        """
+        from scipy.stats import chi2
+
+        beta = self.unbiased / np.sqrt(chi2.ppf(chance, self.freedom) / self.freedom)
+        return self.least * (beta - self.beta)[:, None] + self.scale * np.multiply.outer(beta, z), beta
+
+
 @dataclass(frozen=True, eq=False)
 class Curves:
     """Curves of the limit states, (states,) each; NaN where not FITTED.
@@ -153,27 +185,22 @@ class Curves:
     def percentile_limits(self, beta_added: float) -> tuple[Array, Array]:
         """Confidence limits of the percentiles.
 
-        ln(x_p - x_0) = q + (z - z_0) beta, where q, the percentile whose estimate is not correlated with that of beta,
-        is taken as normal and beta as chi of as many degrees of freedom as give its variance: limits by the noncentral
-        t, as of capacities that are all known (Owen 1968).  Variances are those of the jackknife.  The median keeps its
-        own limits; neither of smaller percentiles is above them, neither of larger ones below.
+        Those of `Scatter`, which are of the noncentral t (Owen 1968).  The median keeps its own limits; neither of
+        smaller percentiles is above them, neither of larger ones below.
         """
         from scipy.special import ndtri
         from scipy.stats import nct
 
         low, high = (np.full((len(self.beta), len(PERCENTILES)), np.nan) for _ in range(2))
-        z, freedoms = ndtri(np.array(PERCENTILES) / 100.0), self._freedom()
-        for j in np.flatnonzero((self.jackknife[:, [0, 2]] > 0.0).all(axis=1)):
-            beta, (v_median, covariance, v_beta) = self.beta[j], self.jackknife[j, :3]
-            total = np.hypot(beta, beta_added)
-            steep = z * beta / total  # derivative by beta
-            freedom = freedoms[j]
-            unbiased = beta * np.sqrt((freedom + 1.0) / freedom)
-            least = covariance / v_beta
-            scale = np.sqrt(max(v_median - covariance * least, 1e-9 * v_median)) / beta
-            rest = total * z - steep * beta - least * beta
+        z = ndtri(np.array(PERCENTILES) / 100.0)
+        for j, of in enumerate(self.scatter()):
+            if of is None:
+                continue
+            total = np.hypot(of.beta, beta_added)
+            steep = z * of.beta / total  # derivative by beta
+            rest = total * z - steep * of.beta - of.least * of.beta
             for into, tail in ((low, 0.5 * (1.0 - CONFIDENCE)), (high, 0.5 * (1.0 + CONFIDENCE))):
-                into[j] = rest + unbiased * scale * nct.ppf(tail, freedom, (steep + least) / scale)
+                into[j] = rest + of.unbiased * of.scale * nct.ppf(tail, of.freedom, (steep + of.least) / of.scale)
         low, high = self._above(low), self._above(high)
         (least, most), known = self.median_limits(), np.isfinite(low).all(axis=1)
         half = PERCENTILES.index(50.0)
@@ -182,6 +209,20 @@ class Curves:
             limits[:, :half] = np.minimum(limits[:, :half], limits[:, half, None])
             limits[:, half:] = np.maximum(limits[:, half:], limits[:, half, None])
         return low, high
+
+    def scatter(self) -> list[Scatter | None]:
+        """What the scatter says of every state, by the variances of the jackknife; None where these are not known."""
+        found: list[Scatter | None] = []
+        for beta, (v_median, covariance, v_beta), freedom in zip(
+            self.beta.tolist(), self.jackknife[:, :3].tolist(), self._freedom().tolist(), strict=True
+        ):
+            if not (v_median > 0.0 and v_beta > 0.0):
+                found.append(None)
+                continue
+            least = covariance / v_beta
+            scale = max(v_median - covariance * least, 1e-9 * v_median) ** 0.5 / beta
+            found.append(Scatter(beta, beta * ((freedom + 1.0) / freedom) ** 0.5, freedom, least, scale))
+        return found
 
     def _above(self, ln: Array) -> Array:
         """The intensity that is above x_0 by exp(ln) of what the median is."""

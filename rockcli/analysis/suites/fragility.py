@@ -9,7 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility.curves import STATUS, Curves, Seen, curve_of_capacities, curves, too_weak
+from rockcli.analysis.fragility.curves import (
+    STATUS,
+    Curves,
+    Scatter,
+    Seen,
+    curve_of_capacities,
+    curves,
+    too_weak,
+)
 from rockcli.analysis.places import json_point, json_value
 from rockcli.analysis.suites.intensity import moves_at, unit_of, values_of
 from rockcli.analysis.suites.members import Members
@@ -24,6 +32,8 @@ from rockcli.study.study import Limit, Over, Study
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Scatters = dict[tuple[int, ...], Scatter]
+"""Of the curves of which it is known, by the place of body and limit state."""
 
 FITTED: tuple[str, ...] = (
     "fragility_median", "fragility_median_ci_low", "fragility_median_ci_high", "fragility_beta",
@@ -56,11 +66,13 @@ class _Fitted:
         numbers: by name, one of each curve.
         tails: by name, with the percentiles as last axis.
         status: keys of `STATUS`.
+        scatter: of the curves of which it is known.
     """
 
     numbers: dict[str, Array]
     tails: dict[str, Array]
     status: NDArray[np.int8]
+    scatter: Scatters
 
     @classmethod
     def empty(cls, shape: tuple[int, ...], names: Iterable[str] = FITTED) -> _Fitted:
@@ -69,6 +81,7 @@ class _Fitted:
             {name: np.full(shape, np.nan) for name in names},
             {name: np.full((*shape, len(PERCENTILES)), np.nan) for name in _TAILS},
             np.zeros(shape, dtype=np.int8),
+            {},
         )
 
     def put(self, at: tuple[int, ...], states: Index, made: Curves, beta_added: float) -> None:
@@ -80,10 +93,13 @@ class _Fitted:
         for name, values in zip(_TAILS, _tails(made, beta_added), strict=True):
             self.tails[name][at][states] = values[:n]
         self.status[at][states] = made.status[:n]
+        for state, scatter in zip(states, made.scatter(), strict=False):
+            if scatter is not None:
+                self.scatter[(*at, int(state))] = scatter
 
 
-def fragility(contents: Contents, became: Members, study: Study, over: Over) -> dict[str, Field]:
-    """Shares that exceed each limit state at every intensity, and the curves through them."""
+def fragility(contents: Contents, became: Members, study: Study, over: Over) -> tuple[dict[str, Field], Scatters]:
+    """Shares that exceed each limit state at every intensity, and the curves through them, with their scatter."""
     axes = contents.axes
     bodies = tuple(axis for axis in axes if axis not in (over.axis, over.along))
     order = [axes.index(axis) for axis in bodies] + [axes.index(over.axis)]
@@ -97,7 +113,7 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
     x = values_of(over.told_against, contents, study)
     y = values_of(over.second, contents, study) if over.second else None
     if x is None or (over.second and y is None):
-        return {}
+        return {}, {}
     parts = {
         "x": of_bodies(x),
         "stands": of_bodies(np.where(became.divided, 1.0 - np.nan_to_num(became.share), became.answered.astype(float))),
@@ -133,7 +149,7 @@ def fragility(contents: Contents, became: Members, study: Study, over: Over) -> 
         order_of_states = np.argsort(np.concatenate([states for states, _ in exceeded]))
         fields["p_exceeded"] = _exceeded(contents, shares[order_of_states], bodies, over)
     of_body = dict(zip(OF_BODY, (begins, last, *_range(parts["x"])), strict=True))
-    return fields | _fields(bodies, unit, fitted, of_body)
+    return fields | _fields(bodies, unit, fitted, of_body), fitted.scatter
 
 
 def _categories(contents: Contents, became: Members, limits: list[Limit]) -> tuple[Index, Index]:
@@ -190,20 +206,20 @@ def _second_fields(
     }
 
 
-def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field]:
+def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> tuple[dict[str, Field], Scatters]:
     """The curve of overturning through the lowest overturning values that a search found, one of every member.
 
     What lies outside the range, or in a bracket, enters as the interval that it lies in.
     """
     search = study.search
     if search is None or not over.told_against:
-        return {}
+        return {}, {}
     bodies = tuple(axis for axis in contents.axes if axis != over.axis)
     order = [contents.axes.index(axis) for axis in (*bodies, over.axis)]
     found = found_by(contents, search.name)
     per_point = _per_point(contents, study, over)
     if per_point is None:
-        return {}
+        return {}, {}
     low, high = (end * per_point for end in found.bounds())
     low = np.where(low > 0.0, low, 0.0)
     begins, last = _begins_of_search(contents, study, over, per_point, order)
@@ -221,10 +237,11 @@ def fragility_of_thresholds(contents: Contents, study: Study, over: Over) -> dic
     of_body = dict(zip(OF_BODY, (begins, last, *_range(ends.transpose([*order, ends.ndim - 1]))), strict=True))
     capacity = {"units": unit, "long_name": f"{over.told_against} from which a member overturns"}
     labels = text([over.limit_states[-1]])
-    return {
+    fields = {
         LIMIT: Field((LIMIT,), labels, {"long_name": VARIABLES[LIMIT].sentence}, coordinate=True),
         "fragility_intensity": variable_field("fragility_intensity", contents.axes, known, **capacity),
-    } | _fields(bodies, unit, fitted, of_body)
+    }
+    return fields | _fields(bodies, unit, fitted, of_body), fitted.scatter
 
 
 def _per_point(contents: Contents, study: Study, over: Over) -> Array | None:

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.analysis.fragility.annual_rate import Fragility, Rate, annual_rate
+from rockcli.analysis.fragility.annual_rate import Fragility, annual_rate, rates_of
+from rockcli.analysis.fragility.curves import CONFIDENCE, Scatter
 from rockcli.analysis.places import json_point, json_value
+from rockcli.analysis.suites.fragility import Scatters
 from rockcli.scene.ground.hazard import CONSISTENT, HazardCurve
 from rockcli.scene.variables import HAZARD, HAZARD_POINT, INTENSITY_BIN, VARIABLES
 from rockcli.storage.contents import Contents, Field, text, variable_field
@@ -35,12 +37,15 @@ OTHERS: tuple[str, ...] = (
     INTENSITY_BIN, "intensity_bin_low", "intensity_bin_high", "deaggregation",
 )  # fmt: skip
 
-_STEP = 1e-4
-"""Steps of ln(median - x_0) and beta by which the rate's derivatives are taken."""
+_CHANCES = 24
+"""Betas that a scatter allows, at the nodes of Gauss's rule on their probability."""
+
+_Z, _FINE = np.linspace(-5.0, 5.0, 11), 400
+"""Medians beside each, in standard deviations, and in how many parts the rate is interpolated between them."""
 
 
-def risk(fragility: Mapping[str, Field], over: Over) -> dict[str, Field]:
-    """Annual rates of every body, limit state and hazard curve, from the fields of its fragility curves."""
+def risk(fragility: Mapping[str, Field], scatter: Scatters, over: Over) -> dict[str, Field]:
+    """Annual rates of every body, limit state and hazard curve, from its fragility curves and what their scatter is."""
     if not over.hazard or "fragility_median" not in fragility:
         return {}
     dims = (*fragility["fragility_median"].dims, HAZARD)
@@ -53,12 +58,13 @@ def risk(fragility: Mapping[str, Field], over: Over) -> dict[str, Field]:
     parts = np.full((*shape, len(over.hazard), BINS), np.nan)
     begins = np.broadcast_to(fragility["fragility_begins_at"].values[..., None], shape)
     for at in np.ndindex(*shape):
-        estimates = {name: float(fragility[f"fragility_{name}"].values[at]) for name in _ESTIMATES}
-        if not np.isfinite(estimates["median"]):
+        median, beta = (float(fragility[f"fragility_{name}"].values[at]) for name in ("median", "beta"))
+        if not np.isfinite(median):
             continue
+        curve = Fragility(median, float(np.hypot(beta, over.beta_added)), float(begins[at]))
         for i, hazard in enumerate(over.hazard):
-            rate = _rate(estimates, float(begins[at]), hazard, over.beta_added, edges)
-            low, high = _limits(estimates, float(begins[at]), hazard, over.beta_added, rate.total)
+            rate = annual_rate(curve, hazard, edges)
+            low, high = _limits(curve, scatter.get(at), hazard, over.beta_added, rate.total)
             told = (rate.total, low, high, rate.above, rate.below)
             for name, value in zip(RATES, told, strict=True):
                 found[name][(*at, i)] = value
@@ -88,36 +94,31 @@ def risk(fragility: Mapping[str, Field], over: Over) -> dict[str, Field]:
     return fields
 
 
-_ESTIMATES = ("median", "beta", "se_ln_median", "se_beta", "correlation", "median_ci_high")
-
-
-def _rate(e: Mapping[str, float], begins: float, hazard: HazardCurve, added: float, edges: Array | None = None) -> Rate:
-    return annual_rate(Fragility(e["median"], float(np.hypot(e["beta"], added)), begins), hazard, edges)
-
-
 def _limits(
-    e: Mapping[str, float], begins: float, hazard: HazardCurve, added: float, rate: float
+    curve: Fragility, scatter: Scatter | None, hazard: HazardCurve, added: float, rate: float
 ) -> tuple[float, float]:
-    """95 % limits of a rate by the delta method on its logarithm, with the covariance of median and beta.
+    """95 % limits of a rate: those of the rates of all medians and betas that the scatter of the suite allows.
 
     At most the rate of the first point of the hazard curve, that of all motions which are counted.
     """
-    if not rate > 0.0:
+    if scatter is None or not rate > 0.0:
         return np.nan, np.nan
+    from scipy.special import ndtr
 
-    def log_rate(shift: float, wider: float) -> float:
-        median = begins + (e["median"] - begins) * float(np.exp(shift))
-        moved = {**e, "median": median, "beta": e["beta"] + wider}
-        return float(np.log(_rate(moved, begins, hazard, added).total))
-
-    step = _STEP * e["beta"]
-    of_median = (log_rate(step, 0.0) - log_rate(-step, 0.0)) / (2.0 * step)
-    of_beta = (log_rate(0.0, step) - log_rate(0.0, -step)) / (2.0 * step)
-    a, b = of_median * e["se_ln_median"], of_beta * e["se_beta"]
-    spread = float(np.sqrt(max(a * a + b * b + 2.0 * e["correlation"] * a * b, 0.0)))
-    # the quantile of the limits of the median, which knows how many members there are
-    reach = float(np.log((e["median_ci_high"] - begins) / (e["median"] - begins)) / e["se_ln_median"])
-    return rate * float(np.exp(-reach * spread)), min(rate * float(np.exp(reach * spread)), float(hazard.rate[0]))
+    nodes, weights = np.polynomial.legendre.leggauss(_CHANCES)
+    away, beta = scatter.allowed(0.5 * (1.0 + nodes), _Z)
+    above, total = np.log(curve.median - curve.begins_at), np.hypot(beta, added)[:, None]
+    rates = rates_of(above + away, np.broadcast_to(total, away.shape), curve.begins_at, hazard)
+    told = rates_of(np.array(above), np.array(curve.beta), curve.begins_at, hazard)
+    fine = np.linspace(_Z[0], _Z[-1], _FINE + 1)
+    middle = 0.5 * (fine[1:] + fine[:-1])
+    found = np.concatenate([np.interp(middle, _Z, of) for of in np.log(np.maximum(rates, np.finfo(float).tiny))])
+    weight = np.multiply.outer(0.5 * weights, np.diff(ndtr(fine))).ravel()
+    order = np.argsort(found)
+    part = np.cumsum(weight[order]) / weight.sum()
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = np.exp(np.interp([tail, 1.0 - tail], part, found[order]))
+    return rate * min(float(low / told), 1.0), min(rate * max(float(high / told), 1.0), float(hazard.rate[0]))
 
 
 def _of_curves(curves: tuple[HazardCurve, ...], unit: str) -> dict[str, Field]:

@@ -152,8 +152,8 @@ def _statistics(contents: Contents, study: Study, over: Over) -> dict[str, Field
         added |= _islands(contents, became, over, rest)
     measured = with_measures(contents.fields, contents, study)
     if over.told_against:
-        curves = fragility(replace(contents, fields=contents.fields | measured), became, study, over)
-        added |= curves | risk(curves, over)
+        curves, scatter = fragility(replace(contents, fields=contents.fields | measured), became, study, over)
+        added |= curves | risk(curves, scatter, over)
     if PEAK in contents.fields:
         whole = replace(contents, fields=contents.fields | measured)
         response = became.values(contents.values(PEAK))
@@ -188,8 +188,8 @@ def _thresholds(contents: Contents, study: Study, over: Over) -> dict[str, Field
             attrs = one.attrs | {"long_name": words + one.attrs["long_name"]}
             added[f"{name}_{end}"] = Field(rest, reduce(one.values), attrs)
     measured = with_measures(contents.fields, contents, study) if over.told_against == "cav" else {}
-    curves = fragility_of_thresholds(replace(contents, fields=contents.fields | measured), study, over)
-    return added | curves | risk(curves, over)
+    curves, scatter = fragility_of_thresholds(replace(contents, fields=contents.fields | measured), study, over)
+    return added | curves | risk(curves, scatter, over)
 
 
 def _islands(contents: Contents, became: Members, over: Over, rest: tuple[str, ...]) -> dict[str, Field]:
