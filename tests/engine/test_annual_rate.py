@@ -237,6 +237,12 @@ def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
     np.testing.assert_array_equal(rockcli.run(study(over=axes | {"axis": advised[1]}, **more)).survival, each.survival)
     one = each.sel(limit_state="overturned")
     assert (one.survival.mean("sample") > np.exp(-3000 * one.annual_rate.mean("sample"))).all()
+    says = [said for said in json.loads(each.attrs["ensemble"])["says"] if "mean of the 20 samples" in said]
+    for said, of in zip(says, one.survival.transpose("hazard", "sample").values, strict=True):
+        numbers = re.search(r"survives with (\S+) on the mean of the 20 samples, (\S+) to (\S+) by sample", said)
+        assert [float(x) for x in numbers.groups()] == pytest.approx([of.mean(), of.min(), of.max()], rel=5e-3)
+        assert ("is consistent with" in said) == (of.mean() >= 0.05)
+    assert not any("of the 20 samples" in said for said in json.loads(mixed.attrs["ensemble"])["says"])
 
 
 def test_a_dataset_runs_again_without_its_files(data):

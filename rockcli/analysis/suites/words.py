@@ -47,11 +47,13 @@ def sentences(contents: Contents, study: Study, units: Units) -> list[str]:
         return [
             *_of_thresholds(contents, study, study.over, units),
             *_of_fragility(contents, study.over, units),
+            *_of_any_sample(contents, study, units),
             *_of_risk(contents, study.over, units),
         ]
     said = [
         *_shares(contents, study, study.over, units),
         *_of_fragility(contents, study.over, units),
+        *_of_any_sample(contents, study, units),
         *_of_risk(contents, study.over, units),
         *_of_demand(contents, study.over),
     ]
@@ -92,9 +94,14 @@ def of_what_arrives(contents: Contents, intensities: Iterable[str | None]) -> It
         )
 
 
+def _of_the_body(path: str) -> bool:
+    """Whether an input is the same in every earthquake."""
+    return path.split(".")[0] in OF_THE_BODY and path != DIRECTION
+
+
 def _drawn_anew(over: Over) -> Iterator[str]:
     """A body that is not well known is the same in all earthquakes: its survival is no power of the mean."""
-    unknown = [path for path in over.inputs if path.split(".")[0] in OF_THE_BODY and path != DIRECTION]
+    unknown = [path for path in over.inputs if _of_the_body(path)]
     if over.hazard and over.age is not None and unknown:
         said = (
             f"survival takes {', '.join(unknown)} as drawn anew in every earthquake, which makes it too low for one "
@@ -537,6 +544,34 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             f"and {counted(many - len(listed), 'more body')}, overturned less often or without a rate: "
             "rock table FILE.nc --of risk --select limit_state=overturned --sort -annual_rate"
         )
+
+
+def _of_any_sample(contents: Contents, study: Study, units: Units) -> Iterator[str]:
+    """Mean survival of the samples of a body: that of one that is not well known, the same in all earthquakes."""
+    if study.over is None or study.over.age is None or study.uncertain is None or "survival" not in contents.fields:
+        return
+    age, bodies = study.over.age, contents.fields["fragility_begins_at"].dims
+    if SAMPLE not in bodies or not all(_of_the_body(each.path) for each in study.uncertain.inputs):
+        return
+    survives = np.moveaxis(contents.values("survival")[..., -1, :], bodies.index(SAMPLE), -1)
+    dims, n = tuple(axis for axis in bodies if axis != SAMPLE), survives.shape[-1]
+    known = np.isfinite(survives)
+    with np.errstate(invalid="ignore"):
+        means = np.where(known, survives, 0.0).sum(axis=-1) / known.sum(axis=-1)
+    for at in _worst(np.asarray(np.nan_to_num(means, nan=2.0).min(axis=-1))):
+        where = f"{place(contents, dims, at, units)}: " if dims else ""
+        for i, label in enumerate(contents.values(HAZARD)):
+            of = survives[(*at, i)][known[(*at, i)]]
+            if not len(of):
+                continue
+            mean = float(means[(*at, i)])
+            which = f"the {n} samples" if len(of) == n else f"the {len(of)} of {n} samples that have a curve"
+            yield (
+                f"{where}{age:g} years under {label}: survives with {_near_one(mean)} on the mean of {which}, "
+                f"{_near_one(float(of.min()))} to {_near_one(float(of.max()))} by sample; a body that is one of them "
+                f"and stood so long {'is consistent with' if mean >= CONSISTENT else 'contradicts'} {label}"
+                + ("" if mean >= CONSISTENT else " at 5 %")
+            )
 
 
 def _near_one(probability: float) -> str:
