@@ -242,6 +242,17 @@ def test_the_headline_has_the_rate_and_the_probability_within_the_age() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("probability", "told"), [(0.4234, "42"), (0.9973, "99.73"), (0.99999, "more than 99.99"), (0.0, "0")]
+)
+def test_a_probability_near_one_keeps_the_digits_that_tell_it(probability: float, told: str) -> None:
+    curve = {"label": "site", "intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}
+    data = rockcli.run(SUITE | {"hazard": [curve], "age": 50})
+    data["probability_in_age"][:] = probability
+    (said,) = (fact for fact in facts_of(data) if fact.what == "rate of overturning")
+    assert said.sentence.endswith(f"; within 50 years with a probability of {told} %")
+
+
 def test_the_headline_says_what_motions_beyond_a_hazard_curve_may_add() -> None:
     curve = {"label": "site", "intensity": [0.05, 0.2, 0.8], "rate": [2e-2, 1e-3, 1e-5]}  # in g, as one may forget
     data = rockcli.run(SUITE | {"hazard": [curve]})

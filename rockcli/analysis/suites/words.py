@@ -309,7 +309,7 @@ def _rarer_than_its_part(contents: Contents) -> Iterator[str]:
             if beyond.any():
                 many = f" of {int(beyond.sum())} of {beyond.size} bodies" if beyond.ndim else ""
                 most = 100.0 * float(above[beyond].max())
-                found.append(f"{name}{many} by {most:.2g} %{' at most' if many else ''}")
+                found.append(f"{name}{many} by {_percent(most)} %{' at most' if many else ''}")
         if found:
             yield (
                 f"{limit_words(label)} is told as less probable than overturning, which it includes: {', '.join(found)}"
@@ -574,6 +574,11 @@ def _of_any_sample(contents: Contents, study: Study, units: Units) -> Iterator[s
             )
 
 
+def _percent(share: float) -> str:
+    """Two digits, and no power of ten where it is above 100."""
+    return f"{float(f'{share:.2g}'):g}"
+
+
 def _near_one(probability: float) -> str:
     """A probability with the digits that tell it from 1: .9997 is not 1."""
     digits = max(3, int(-np.floor(np.log10(max(1.0 - probability, 1e-12)))))
@@ -603,12 +608,13 @@ def _tails(contents: Contents, over: Over) -> Iterator[str]:
         elif end == "above":
             yield (
                 f"{hazard_words(label)} ends where bodies may remain stable: motions beyond its end, counted as if at "
-                f"it, can add up to {100.0 * more / rate:.2g} % to a rate (annual_rate_above)"
+                f"it, can add up to {_percent(100.0 * more / rate)} % to a rate (annual_rate_above)"
             )
         else:
             yield (
                 f"{hazard_words(label)} begins where a limit state is exceeded already: were its first power law to go "
-                f"on, motions below its first point would add {100.0 * more / rate:.2g} % to a rate (annual_rate_below)"
+                f"on, motions below its first point would add {_percent(100.0 * more / rate)} % to a rate "
+                "(annual_rate_below)"
             )
 
 

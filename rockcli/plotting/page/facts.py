@@ -364,10 +364,19 @@ def _rate(dataset: xarray.Dataset) -> list[Fact]:
     once = often + (" or less often" if least < most else "") + _beyond_the_curve(of_falls)
     within = ""
     age = json.loads(dataset.attrs.get("ensemble", "{}")).get("age")
-    if age and (shares := _span(100.0 * of_falls["probability_in_age"].values)[0]):
-        within = f"; within {age:g} years with a probability of {shares} %"
+    if age:
+        chances = of_falls["probability_in_age"].values
+        ends = dict.fromkeys(_percent(end) for end in (np.nanmin(chances), np.nanmax(chances)))
+        within = f"; within {age:g} years with a probability of {' to '.join(ends)} %"
     left_out = _without_curve(of_falls["annual_rate"].values[..., 0])
     return [Fact(f"{rates} a year", "rate of overturning", f"{under}: {once}{within}{left_out}")]
+
+
+def _percent(probability: float) -> str:
+    """Two digits of a probability in %, and as many as tell it from 100."""
+    if probability > 0.9999:
+        return "more than 99.99"
+    return f"{100.0 * probability:.2g}" if probability < 0.99 else f"{100.0 * probability:.4g}"
 
 
 def _beyond_the_curve(of_falls: xarray.Dataset) -> str:
