@@ -299,3 +299,23 @@ def test_a_slide_that_turns_round_just_after_a_bounce_is_among_the_largest():
     assert int(found.outcome) == 3
     told = np.abs(found.slide.where(found.time <= found.t_overturn)).max()
     assert float(found.slide_peak) == pytest.approx(float(told), rel=1e-8)
+
+
+def test_a_body_that_the_ground_leaves_slowly_does_not_come_down_before_it_falls():
+    """The ground begins to fall faster than g: the gap grows with t^3, and no edge meets the ground while it does."""
+    pulse = {"shape": "ricker", "a_p": 17.755322367248453, "T_p": 0.26278875577228683}
+    falls = {"shape": "sine", "a_p": 11.712963466208224, "T_p": 0.3}
+    block = {"h": 0.8518227585724576, "b": [0.2, 0.25], "mu": 0.864609463232837}
+    ds = rockcli.run({"case": {"block": block, "motion": {"pulse": pulse, "vertical": {"pulse": falls}}}})
+    assert abs(float(ds.energy_residual)) < 1e-9
+    # from where it leaves the ground, at the height x(t) of its base above it, x'' = -g - a_v, until that is zero
+    flight = np.asarray(ds.time)[np.asarray(ds.lift) > 1e-6]
+    start = float(ds.t_flight)
+    times = np.linspace(start, 0.35, 20001)
+    a_v = -9.81 - falls["a_p"] * np.sin(2.0 * np.pi * times / 0.3) * (times < 0.3)
+    speed = np.concatenate([[0.0], np.cumsum(0.5 * (a_v[1:] + a_v[:-1]) * np.diff(times))])
+    height = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    i = int(np.argmax((height < 0.0) & (times > start + 0.01)))
+    down = np.interp(0.0, height[[i, i - 1]], times[[i, i - 1]])
+    assert flight.max() == pytest.approx(down, abs=2.0 * float(ds.time[1]))
+    assert float(ds.t_impact[np.argmax(np.asarray(ds.t_impact) > start + 1e-4)]) == pytest.approx(down, abs=1e-7)

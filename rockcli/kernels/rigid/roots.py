@@ -21,20 +21,37 @@ def safe_step(P, dP, M):
     return 2.0 * P / (root - dP) if root > dP else math.inf
 
 
+SLOW = 400
+"""Steps after which the bound of the curvature on all of [0, h] is too coarse where the search stands."""
+
+STEPS = 10 * SLOW
+"""Steps after which a search ends where it stands."""
+
+
+@jit
+def curvature(c, n, skip, h):
+    """Bound of |P''| on [0, h] of the P of `first_root`."""
+    M = 0.0
+    for k in range(n - skip, 1, -1):
+        M = M * h + k * (k - 1) * abs(c[k + skip])
+    return M
+
+
 @jit
 def first_root(c, n, h, skip):
     """Smallest x in (0, h] where P(x) = c[skip] + c[skip+1] x + ... reaches zero from above, or NO_ROOT.
 
     `skip` leading coefficients are known to be zero: a root at x = 0 is divided out, so that an event just
     handled is not found again.  P(0) must be positive.  |P''| <= M on [0, h] gives the lower bound
-    P(x) + P'(x) y - M y^2/2: stepping to its zero cannot pass a root, and is Newton's step near one.
+    P(x) + P'(x) y - M y^2/2: stepping to its zero cannot pass a root, and is Newton's step near one.  A search that
+    hardly moves looks at twice as far as it has come, with the bound of that, and so on.
     """
     m = n - skip
-    M = 0.0
-    for k in range(m, 1, -1):
-        M = M * h + k * (k - 1) * abs(c[k + skip])
-    x = 0.0
-    for _ in range(400):
+    x, far, M = 0.0, h, curvature(c, n, skip, h)
+    for i in range(STEPS):
+        if i >= SLOW and i % SLOW == 0 and 2.0 * x < far:
+            far = 2.0 * x
+            M = curvature(c, n, skip, far)
         P = c[n]
         dP = 0.0
         for k in range(m - 1, -1, -1):
@@ -43,8 +60,12 @@ def first_root(c, n, h, skip):
         if P <= 0.0:
             return min(x, h)
         step = safe_step(P, dP, M)
-        if not step <= h - x:  # also where the bound has no zero
-            return NO_ROOT
+        if not step <= far - x:  # also where the bound has no zero
+            if far == h:
+                return NO_ROOT
+            x, far = far, min(2.0 * far, h)
+            M = curvature(c, n, skip, far)
+            continue
         x += step
         if step <= 4e-16 * x or M * step * step <= 4e-16 * x * abs(dP):  # the step's own error is below rounding
             return min(x, h)
@@ -154,11 +175,11 @@ def uplift(d, n, h, scale):
     if d[0] < 0.0:
         return 0.0
     noise = 1e-15 * scale  # rounding of a polynomial of terms up to twice the threshold
-    M = 0.0
-    for k in range(n, 1, -1):
-        M = M * h + k * (k - 1) * abs(d[k])
-    x = 0.0
-    for _ in range(2000):
+    x, far, M = 0.0, h, curvature(d, n, 0, h)
+    for i in range(2 * STEPS):
+        if i >= 5 * SLOW and i % SLOW == 0 and 2.0 * x < far:  # as `first_root`
+            far = 2.0 * x
+            M = curvature(d, n, 0, far)
         P = value(d, n, x)
         dP = slope(d, n, x)
         if -noise > P:
@@ -169,8 +190,12 @@ def uplift(d, n, h, scale):
             step = math.sqrt(8.0 * noise / M) if M > 0.0 else math.inf
         else:
             step = safe_step(P, dP, M)
-        if not step <= h - x:
-            return NO_ROOT
+        if not step <= far - x:
+            if far == h:
+                return NO_ROOT
+            x, far = far, min(2.0 * far, h)
+            M = curvature(d, n, 0, far)
+            continue
         x += step
         if step <= 4e-16 * x:
             return x
