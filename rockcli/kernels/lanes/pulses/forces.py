@@ -17,8 +17,8 @@ from rockcli.kernels.lanes.vector.elementary import sin_cos
 from rockcli.kernels.lanes.vector.plain import fma, gather, load, note, select, some, spread, store
 from rockcli.kernels.quadrature import NODES, POINTS
 
-RATE, PRESS, GRIP = 0.0, 1.0, 2.0
-"""What an extreme that waits is of: |q'|, -N, |T|/N."""
+RATE, PRESS, GRIP, GRIP_BACK = 0.0, 1.0, 2.0, 3.0
+"""What an extreme that waits is of: |q'|, -N, T/N, -T/N."""
 
 BEYOND = 2.0
 """How far beyond the values at its ends a quantity may go between two places, in slopes times the distance."""
@@ -48,8 +48,8 @@ def levers_of(state, o):
 def forces_at(series, c, a, levers, y):
     """At y in the step under way: q, its rate and acceleration, sin q, cos q, a_g; T, N, the slope of N, and turn.
 
-    c, a: where the coefficients of q and of a_g begin.  T (towards the edge) and N are over m R; the slope of |T|/N is
-    turn/(|T| N^2).
+    c, a: where the coefficients of q and of a_g begin.  T (towards the edge) and N are over m R; the slope of T/N is
+    turn/N^2.
     """
     q, ground = load(series, c + ORDER * WIDTH), load(series, a + ORDER * WIDTH)
     v, bend, third, rise = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
@@ -68,19 +68,19 @@ def forces_at(series, c, a, levers, y):
     N = fma(sin_b, acc, fma(-cos_b, vv, weight))
     dT = fma(shake, rise, fma(cos_b, jerk, v * fma(3.0 * sin_b, acc, -cos_b * vv)))
     dN = fma(sin_b, jerk, -v * fma(3.0 * cos_b, acc, sin_b * vv))
-    return q, v, acc, sine, cosine, ground, T, N, dN, T * fma(dT, N, -T * dN)
+    return q, v, acc, sine, cosine, ground, T, N, dN, fma(dT, N, -T * dN)
 
 
 @jit
-def size_of(T, N):
-    """|T|/N, infinite where nothing presses."""
-    return select(N > 0.0, abs(T) / N, math.inf)
+def ratio_of(T, N):
+    """T/N, infinite where nothing presses."""
+    return select(N > 0.0, T / N, math.inf)
 
 
 @jit
-def slope_of_size(T, N, turn):
-    """Of |T|/N."""
-    return turn / (abs(T) * (N * N) + 1e-300)
+def slope_of_ratio(N, turn):
+    """Of T/N."""
+    return turn / (N * N + 1e-300)
 
 
 @jit
@@ -89,7 +89,7 @@ def note_extremes(state, o, forces, where):
     v, T, N = forces[1], forces[6], forces[7]
     rate, least = load(state, o + lane.RATE_MAX * WIDTH), load(state, o + lane.N_LEAST * WIDTH)
     most, weight = load(state, o + lane.MU_MOST * WIDTH), load(state, o + lane.L_WEIGHT * WIDTH)
-    speed, normal, size = abs(v), N / weight, size_of(T, N)
+    speed, normal, size = abs(v), N / weight, ratio_of(abs(T), N)
     store(state, o + lane.RATE_MAX * WIDTH, select(where & (speed > rate), speed, rate))
     store(state, o + lane.N_LEAST * WIDTH, select(where & (normal < least), normal, least))
     store(state, o + lane.MU_MOST * WIDTH, select(where & (size > most), size, most))
@@ -107,13 +107,17 @@ def look_between(state, o, where, low, high, was, new, waiting, count, scratch):
     count = _let_wait(
         PRESS, o, where, low, high, -was[7], -was[8], -new[7], -new[8], press, waiting, count, scratch
     )  # fmt: skip
-    turns = where & (was[9] > 0.0) & (new[9] < 0.0)
-    if some(turns):
-        slope, next_slope = slope_of_size(was[6], was[7], was[9]), slope_of_size(new[6], new[7], new[9])
-        count = _let_wait(
-            GRIP, o, turns, low, high, size_of(was[6], was[7]), slope, size_of(new[6], new[7]), next_slope,
-            load(state, o + lane.MU_MOST * WIDTH), waiting, count, scratch,
-        )  # fmt: skip
+    if some(where & (was[9] * new[9] < 0.0)):
+        # a maximum of T/N, or of -T/N: |T|/N may have one, and T change its sign between the two
+        for what, side in ((GRIP, 1.0), (GRIP_BACK, -1.0)):
+            T, next_T = side * was[6], side * new[6]
+            turns = where & (side * was[9] > 0.0) & (side * new[9] < 0.0) & ((T > 0.0) | (next_T > 0.0))
+            if some(turns):
+                count = _let_wait(
+                    what, o, turns, low, high, ratio_of(T, was[7]), side * slope_of_ratio(was[7], was[9]),
+                    ratio_of(next_T, new[7]), side * slope_of_ratio(new[7], new[9]),
+                    load(state, o + lane.MU_MOST * WIDTH), waiting, count, scratch,
+                )  # fmt: skip
     while count >= WIDTH:
         count -= WIDTH
         find_extremes(state, waiting, count, WIDTH, scratch)
@@ -172,7 +176,8 @@ def find_extremes(state, waiting, begin, slots, series):
         far = abs(new - z) > FLAT * hi
         z = select(going, new, z)
         _, v, acc, _, _, _, T, N, dN, turn = forces_at(series, 0, a, levers, z)
-        f = select(what == PRESS, -dN, select(what == RATE, select(v > 0.0, acc, -acc), slope_of_size(T, N, turn)))
+        slope = select(what == GRIP, 1.0, -1.0) * slope_of_ratio(N, turn)
+        f = select(what == PRESS, -dN, select(what == RATE, select(v > 0.0, acc, -acc), slope))
         lo, hi, f_lo, f_hi, kept = narrowed(going, z, f, lo, hi, f_lo, f_hi, kept)
         going = going & far
         if not some(going):
@@ -180,7 +185,7 @@ def find_extremes(state, waiting, begin, slots, series):
     store(series, 0, z)
     store(series, WIDTH, abs(v))
     store(series, 2 * WIDTH, N / weight)
-    store(series, 3 * WIDTH, size_of(T, N))
+    store(series, 3 * WIDTH, ratio_of(abs(T), N))
     for j in range(slots):
         i = int(waiting[begin + j])
         rate, normal, size = series[WIDTH + j], series[2 * WIDTH + j], series[3 * WIDTH + j]
