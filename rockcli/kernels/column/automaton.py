@@ -100,7 +100,7 @@ def ended(par, modes, phase, s, t, reported, F, z, v, found, out):
         for k in range(12):
             F[k] = 0.0
         wander(lam, c, bu, th, F, 1e9, z, v, row, row_v, math.inf, math.inf, found)
-        if 0.5 * found[0] < 1e-3 * limit(par, phase, s, 0.0):
+        if 0.5 * found[0] < 1e-3 * limit(par, phase, 0.0):
             out[at.VERDICT] = RETURNS
             if not reported:
                 out[at.T_END] = par[at.T_STOP] if par[at.HAS_DURATION] > 0.0 else t

@@ -177,7 +177,7 @@ def guards(par, modes, phase, s, armed, F, h, z, v, known, work, about, S, found
     mode, z_1, v_1, z_x, v_x = mode_of(modes, phase), work[0], work[1], work[2], work[3]
     lam, c, bu, th, _, row, row_v = mode
     weak = matters(par)
-    floor = weak * (limit(par, at.CONTACT, s, 0.0) if phase == at.CONTACT else par[at.ALPHA])
+    floor = weak * (limit(par, at.CONTACT, 0.0) if phase == at.CONTACT else par[at.ALPHA])
     near, _ = look(par, phase, s, armed, lam, c, bu, th, row, row_v, F, 0.0, z, v)
     floor_rate = math.sqrt(weak) * par[at.P] * par[at.ALPHA]
     fall = drop(par, phase, lam, c, bu, th, row, row_v, F, h, z, v, floor, floor_rate, found)
@@ -198,7 +198,7 @@ def _refine(par, phase, s, armed, lam, c, bu, th, row, row_v, F, hi, g_lo, g_hi,
     lo, d = 0.0, hi
     beyond = 0.1 * par[at.TOL]
     if phase == at.CONTACT and par[at.THETA_1] == 0.0:
-        beyond = 1e-12 * limit(par, phase, s, 0.0)
+        beyond = 1e-12 * limit(par, phase, 0.0)
     y = hi * g_lo / (g_lo - g_hi)
     for _ in range(60):
         advance(lam, c, bu, th, F, y, S, z, v, z_x, v_x)

@@ -131,7 +131,7 @@ def step(par, phase, s, lam, bu, th, h, table, influence, A, z, v, z_1, v_1, F):
 
 
 @jit
-def limit(par, phase, s, a_v):
+def limit(par, phase, a_v):
     """What the guard's quantity is held against: see `gap`."""
     if phase == at.OPEN:
         return opens_at(par, a_v) * (1.0 - 1e-9) - par[at.TOL]
@@ -155,7 +155,7 @@ def gap(par, phase, s, armed, value, a_v):
     OPEN: s theta above where contact begins.  CONTACT: |base moment| below (g + a_v) b (rigid base), |theta|
     below `opens_at` and, if eta is armed, theta on its side of zero (Winkler).
     """
-    edge = limit(par, phase, s, a_v)
+    edge = limit(par, phase, a_v)
     if phase == at.OPEN:
         return s * value - edge
     room = edge - abs(value)

@@ -95,7 +95,7 @@ def arrive(st, i, par, bodies, how, values, slopes, velocity, c, sin_q, cos_q, a
     if how.detail == ALL:
         if par[at.T_STOP] > par[at.T_MOTION]:
             weigh_end(st, i, edge, s, q, v, 0.0, 0.0, how.linear)
-        account(st, i, par, energy(edge, q, v, how.linear), out)
+        account(st, i, energy(edge, q, v, how.linear), out)
     if not given or verdict == FALLS:
         afterwards(edge, other, how, s, q, v, t, verdict, c, sin_q, cos_q, a, a_v, out)
     return finish(st, i, par, verdict, out)
@@ -140,7 +140,7 @@ def attend(
         q = value(c, lane.ORDER, x)
         out[to.T_END], out[to.PEAK_SIDE] = t0 + x * h, s
         if watch:
-            close_account(st, i, par, how, q, v, x, h, edge, heave, out)
+            close_account(st, i, how, q, v, x, h, edge, heave, out)
         afterwards(edge, edge, how, s, q, v, t0 + x * h, FALLS, c, sin_q, cos_q, a, a_v, out)
         return finish(st, i, par, FALLS, out)
 
@@ -220,12 +220,12 @@ def note_way(st, i, par, how, c, x, reach, t0, h, path, hold, guard, sin_q, cos_
 
 
 @jit_part
-def close_account(st, i, par, how, q, v, x, h, edge, heave, out):
+def close_account(st, i, how, q, v, x, h, edge, heave, out):
     """The balance of energy of lane i as it falls, at part x of a step of h."""
     st[lane.WORK + i] -= (st[lane.A_0 + i] + st[lane.A_1 + i] * x * h) * drive(st, i, q, how.linear)
     if heave is not None:
         st[lane.WORK + i] -= (st[lane.UP_0 + i] + st[lane.UP_1 + i] * x * h) * drive_up(st, i, q, how.linear)
-    account(st, i, par, energy(edge, q, v, how.linear), out)
+    account(st, i, energy(edge, q, v, how.linear), out)
 
 
 @jit_part

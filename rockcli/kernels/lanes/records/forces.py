@@ -369,7 +369,7 @@ def stood(st, i, par, most):
 
 
 @jit
-def account(st, i, par, left, out):
+def account(st, i, left, out):
     """Results of lane i, whose body has the energy `left` over m g."""
     out[to.RATE_PEAK], out[to.N_MIN], out[to.MU] = st[lane.RATE_MAX + i], st[lane.N_LEAST + i], st[lane.MU_MOST + i]
     out[to.ENERGY] = -st[lane.WORK + i] - st[lane.LOST + i] - left

@@ -275,7 +275,7 @@ def stay(st, i, par, watch, values, slopes, tail, k_0, x_0, out, heave):
                     cut = abs(values[last - 1] + slopes[last - 1] * st[lane.LEN + i])
                     most = max(loudest(values, slopes, k_0, x_0, last - 1), cut)
                 stood(st, i, par, most)
-        account(st, i, par, risen(par), out)
+        account(st, i, risen(par), out)
     if rolls(par):
         if not par[FALL_LEFT] < par[TILT] < par[FALL_RIGHT]:
             return finish(st, i, par, FALLS, out)
@@ -380,7 +380,7 @@ def stop(st, i, par, how, values, slopes, start, out):
     start[carry.Q], start[carry.V] = q, v
     if how.detail == ALL:
         st[lane.WORK + i] -= ground(st, i, values, slopes) * drive(st, i, q, how.linear)
-        account(st, i, par, energy(edge_of(par, at.RIGHT), q, v, how.linear), out)
+        account(st, i, energy(edge_of(par, at.RIGHT), q, v, how.linear), out)
     finish(st, i, par, NOT_YET, out)
     out[to.STATUS] = GIVES_WAY
     return FINISHED
@@ -432,7 +432,7 @@ def rest(st, i, par, how, values, slopes, blocks, tail, hold, start, out, heave)
     if k > st[lane.LAST + i]:
         out[to.T_END] = par[at.T_MOTION] + (x + wait)
         if watch:
-            account(st, i, par, risen(par), out)
+            account(st, i, risen(par), out)
         if rolls(par) and out[to.VERDICT] == RETURNS:
             out[also.FACET] = par[FACET]
         return finish(st, i, par, out[to.VERDICT], out)

@@ -90,7 +90,7 @@ def roll_over(st, i, par, bodies, values, slopes, path, watch, out):
         st[lane.Q + i] = extent
         out[to.T_END] = min(t, par[at.T_STOP])
         if watch:
-            account(st, i, par, energy_of(par, body, s, extent, rate), out)
+            account(st, i, energy_of(par, body, s, extent, rate), out)
         return finish(st, i, par, FALLS, out)
     note_pushes(st, i, par, out)
     inertia = st[lane.INERTIA + i]
@@ -151,7 +151,7 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
     verdict, theta = out[to.VERDICT], par[TILT] + s * q
     out[to.T_END] = par[at.T_STOP]
     if how.detail == ALL:
-        account(st, i, par, energy_of(par, body, s, q, v), out)
+        account(st, i, energy_of(par, body, s, q, v), out)
     inward = s * v * theta <= 0.0
     if verdict == FALLS:
         passed = not inward and not body[of.FALL_LEFT] <= theta <= body[of.FALL_RIGHT]
@@ -199,5 +199,5 @@ def bounce(st, i, par, bodies, rest_speed, path, watch, out):
         st[lane.SWINGS + i] += swung
         st[lane.SWINGS_T + i] += swung_t
     if watch:
-        account(st, i, par, energy_of(par, body, s, 0.0, v), out)
+        account(st, i, energy_of(par, body, s, 0.0, v), out)
     return finish(st, i, par, RETURNS, out)
