@@ -201,6 +201,14 @@ def test_partial_uplift_judges_the_column_on_a_rigid_base():
     assert point.error[0] == pytest.approx(apart, rel=1e-4)
 
 
+@pytest.mark.parametrize("damping", ["dashpot", {"scheme": "hht", "alpha_d": 0.8}])
+def test_no_column_on_a_rigid_base_is_judged_under_a_damping_it_does_not_know(damping):
+    """It was solved as if nothing damped it."""
+    case = COLUMN | {"model": "flexible", "base": {"law": "winkler", "kw": 1e9}, "damping": damping}
+    scene = Sample(of(case), 1)
+    assert "flexible" not in {setting.model for setting, _ in made_of.models(scene.first(scene.own[0]), scene.own[0])}
+
+
 def test_skipped_settings_of_a_family_share_a_line(command, monkeypatch):
     monkeypatch.setattr(
         "rockcli.engine.trade.trade._expected",

@@ -187,13 +187,17 @@ def models(batch: Batch, own: Pair) -> Iterator[tuple[Setting, Pair]]:
     """(setting, the better model): simpler models of the same body, at accuracy standard."""
     rigid: Pair = ("rigid", None)
     how = Numerics("event")
-    if own[0] == FLEXIBLE and batch.base is not None:
+
+    def solved(pair: Pair) -> bool:
+        return BACKENDS["event"].supports(replace(batch, model=pair[0], geometry=pair[1], numerics=how))
+
+    if own[0] == FLEXIBLE and batch.base is not None and solved(own):
         yield Setting(MODEL, "event", "standard", *own, how, rigid_base=True, against=model_word(own)), own
     pairs: list[tuple[Pair, Pair]] = [(pair, rigid) for pair in MODELS if pair != rigid]
     if own[0] == FLEXIBLE:
         pairs.insert(0, (rigid, own))
     for pair, better in pairs:
-        if BACKENDS["event"].supports(replace(batch, model=pair[0], geometry=pair[1], numerics=how)):
+        if solved(pair):
             yield Setting(MODEL, "event", "standard", *pair, how, against=model_word(better)), better
 
 
