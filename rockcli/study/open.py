@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import keyword
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from rockcli.errors import RecordError, StudyError
 from rockcli.scene.auto import AUTO
 from rockcli.scene.batch import Save
+from rockcli.scene.laws.models import MODELS
 from rockcli.scene.variables import (
     LARGE,
     SCALARS,
@@ -47,7 +48,6 @@ from rockcli.study.document.overrides import apply_overrides, settings_of, witho
 from rockcli.study.document.shorthands import expanded
 from rockcli.study.document.tree import Map, Source, Where, place, value_at
 from rockcli.study.expect import check_histories, match, read_expect
-from rockcli.study.features import check_curves
 from rockcli.study.given_records import taken_out
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
 from rockcli.study.plausibility import surely_meant
@@ -111,7 +111,7 @@ def open_study(
     found = Found(meant=surely_meant(tree, None if sought is None else sought.axis.path))
     _probe(cases, found)
     axes = tuple(v.axis for v in variations if v is not sought)
-    check_curves(where, tree, found.models)
+    _check_curves(where, tree, found.models)
     saved, at = _save(where, tree, cases, found)
     if sought is not None:
         saved, at = {"histories": False, "dt_out": saved["dt_out"], "scalars": []}, None
@@ -173,6 +173,13 @@ def open_study(
         g=g,
         places=_places(tree, axes),
     )
+
+
+def _check_curves(where: Source, tree: Map, models: Iterable[tuple[str, str | None]]) -> None:
+    """Refuse static curves (`curves`) of a model that has no law of its own."""
+    for pair in models:
+        if tree.get("curves") and pair not in MODELS:
+            raise where.error(tree, ("curves",), f": model {pair[0]} has no static curves")
 
 
 def _with_axes(

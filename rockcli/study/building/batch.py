@@ -19,10 +19,10 @@ from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE, FLEXIBLE
 from rockcli.scene.numerics import Numerics
 from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation
+from rockcli.study.building.model import model_and_geometry
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
 from rockcli.study.document.tree import Keys
-from rockcli.study.features import model_and_geometry
 from rockcli.study.schema import ColumnPart
 from rockcli.study.unused import unused_solver_keys
 

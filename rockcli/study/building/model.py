@@ -1,21 +1,11 @@
-"""Model and geometry of a case as the study asks for them, and which models have static curves."""
+"""Model and geometry of a case as the study asks for them."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
-from typing import Any
 
 from rockcli.scene.auto import AUTO
 from rockcli.scene.laws.models import DEFAULT_GEOMETRY, DEFORMABLE, MODELS
 from rockcli.study.document.tree import Map, Source
 from rockcli.study.schema import CasePart
-
-
-def check_curves(source: Source, study: Map, models: Iterable[tuple[str, str | None]]) -> None:
-    """Refuse static curves (`curves`) of a model that has no law of its own."""
-    for pair in models:
-        if study.get("curves") and pair not in MODELS:
-            raise source.error(study, ("curves",), f": model {pair[0]} has no static curves")
 
 
 def model_and_geometry(source: Source, study: Map, case: CasePart) -> tuple[str, str | None]:
@@ -32,11 +22,6 @@ def model_and_geometry(source: Source, study: Map, case: CasePart) -> tuple[str,
         return model, None  # a geometry given beside it is that of the models it is compared with
     chosen = DEFAULT_GEOMETRY if geometry is None else geometry
     if chosen not in geometries:
-        raise source.error(
-            study, ("case", "geometry"), f": model {model} is available as {_list(str(g) for g in geometries)}"
-        )
+        known = ", ".join(map(str, geometries))
+        raise source.error(study, ("case", "geometry"), f": model {model} is available as {known}")
     return model, chosen
-
-
-def _list(names: Any) -> str:
-    return ", ".join(names)
