@@ -84,10 +84,13 @@ def layer_of(path: Path) -> str:
     return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_one_way(path):
-    own = layer_of(path)
-    for module, line in imports(path):
+def every_import() -> Iterator[tuple[Path, str, str, int]]:
+    """File, its layer, what it imports and in which line."""
+    return ((path, layer_of(path), module, line) for path in FILES for module, line in imports(path))
+
+
+def test_imports_go_one_way():
+    for path, own, module, line in every_import():
         parts = module.split(".")
         if parts[0] == "rockcli" and len(parts) > 1 and parts[1] in LAYERS and own in LAYERS:
             other = parts[1]
@@ -95,10 +98,8 @@ def test_imports_go_one_way(path):
             assert allowed, f"{path}:{line}: {own} may not import {module}"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_a_door_per_reason(path):
-    own = layer_of(path)
-    for module, line in imports(path):
+def test_a_door_per_reason():
+    for path, own, module, line in every_import():
         top = module.split(".")[0]
         if module in FREE and LAYERS.get(own, 0) > LAYERS["kernels"]:
             continue

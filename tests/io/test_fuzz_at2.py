@@ -64,9 +64,8 @@ def test_mutations_of_a_valid_file(mutations: list[tuple[int, int, bytes]]) -> N
     parsed(data)
 
 
-@pytest.mark.parametrize("end", range(len(VALID) - 1))
-def test_no_file_cut_short_is_read(end: int) -> None:
-    assert parsed(VALID[:end]) is None
+def test_no_file_cut_short_is_read() -> None:
+    assert [end for end in range(len(VALID) - 1) if parsed(VALID[:end]) is not None] == []
 
 
 @settings(max_examples=200, deadline=None)
