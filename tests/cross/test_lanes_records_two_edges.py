@@ -11,6 +11,7 @@ from cross.test_lanes_records import (
     SCALARS,
     _lanes_only,
     assert_as_integrated,
+    assert_known_early,
     assert_same,
     differences,
     mirrored,
@@ -19,7 +20,6 @@ from cross.test_lanes_records import (
 )
 from scenes import G, make_batch
 
-from rockcli.scene.batch import Save
 from rockcli.scene.body.block import housner_eta, make_block
 from rockcli.scene.ground.excitation import Excitation, Samples
 from rockcli.scene.response import OVERTURNED_WITHOUT_IMPACT
@@ -76,13 +76,7 @@ def test_a_fall_is_known_before_it_ends(law):
     values, dt = own()
     batch = skew(values, dt, np.linspace(1.5, 8.0, 19), [0.5, 3.0], [0.6, 1.5], model=law[0], geometry=law[1])
     asked = ("outcome", "theta_peak", "theta_peak_left", "theta_peak_right", "t_uplift", "n_impacts")
-    path = replace(batch, save=Save(False, 0.01, frozenset({*asked, "t_end"})))
-    early, full = solve(replace(batch, save=Save(False, 0.01, frozenset(asked)))).scalars, solve(path).scalars
-    fell = full["outcome"] >= OVERTURNED_WITHOUT_IMPACT
-    assert fell.sum() >= 5
-    for name in asked:
-        np.testing.assert_array_equal(early[name], full[name], err_msg=name)
-    assert early["n_steps"][fell].sum() < full["n_steps"][fell].sum()
+    assert_known_early(batch, asked, share=1.0)
 
 
 def test_from_a_tilt_to_either_side():

@@ -10,6 +10,7 @@ from cross.test_lanes_records import (
     LAWS,
     SCALARS,
     _lanes_only,
+    assert_known_early,
     assert_same,
     differences,
     own,
@@ -80,15 +81,7 @@ def test_two_different_edges_from_rest_and_from_a_tilt(ratio):
 def test_a_fall_is_known_before_it_ends(law):
     values, dt = own()
     batch = suite(values, dt, np.linspace(1.5, 6.0, 19), [0.5, 3.0], [0.1, 0.25], model=law[0], geometry=law[1])
-    batch = lifted(batch)
-    asked = ("outcome", "theta_peak", "theta_peak_over_alpha", "u_top_peak", "t_uplift", "n_impacts", "mu_impact")
-    path = replace(batch, save=Save(False, 0.01, frozenset({*asked, "t_end"})))
-    early, full = solve(replace(batch, save=Save(False, 0.01, frozenset(asked)))).scalars, solve(path).scalars
-    fell = full["outcome"] >= OVERTURNED_WITHOUT_IMPACT
-    assert fell.sum() >= 5
-    for name in asked:
-        np.testing.assert_array_equal(early[name], full[name], err_msg=name)
-    assert early["n_steps"][fell].sum() < 0.97 * full["n_steps"][fell].sum()
+    assert_known_early(lifted(batch))
 
 
 @pytest.mark.parametrize("law", CURVED, ids=str)
