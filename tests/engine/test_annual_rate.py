@@ -17,11 +17,12 @@ import rockcli
 from rockcli.analysis.fragility.annual_rate import Fragility, annual_rate, rates_of
 from rockcli.analysis.fragility.curves import Scatter, curve_of_capacities
 from rockcli.analysis.suites import words
-from rockcli.analysis.suites.risk import _limits
+from rockcli.analysis.suites.risk import _limits, central
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
 from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.variables import UNIT_OF_INTENSITY, VARIABLES
+from rockcli.storage.read import from_xarray
 from rockcli.study.open import open_study
 from rockcli.study.study import Over
 
@@ -325,6 +326,20 @@ def test_survival_has_limits_and_says_where_they_leave_a_contradiction_open(data
         assert [float(end) for end in ends.groups()] == pytest.approx(
             [np.exp(-high * age), np.exp(-low * age)], rel=5e-3
         )
+
+
+def test_the_middle_of_a_rate_is_told_to_its_digits():
+    """Bins of the deaggregation are too wide for it: those of a curve over five decades are of a factor 1.65."""
+    wide = [{"label": "wide", "intensity": ["1e-4*g", "0.05*g", "20*g"], "rate": [1.0, 1e-2, 1e-9]}]
+    data = rockcli.run(study(hazard=wide))
+    median, beta = (float(data[f"fragility_{name}"].sel(limit_state="overturned")) for name in ("median", "beta"))
+    curve = Fragility(median, beta, float(data["fragility_begins_at"]))
+    x = np.geomspace(1e-4 * G, 20.0 * G, 200001)
+    rate = np.exp(np.interp(np.log(x), np.log(np.array([1e-4, 0.05, 20.0]) * G), np.log([1.0, 1e-2, 1e-9])))
+    p = curve(x)
+    below = np.cumsum(0.5 * (p[1:] + p[:-1]) * -np.diff(rate))
+    expected = np.interp([0.16, 0.84], below / below[-1], x[1:])
+    np.testing.assert_allclose(central(from_xarray(data), (1, 0)), expected, rtol=1e-3)
 
 
 def test_no_body_falls_more_often_than_the_ground_moves():

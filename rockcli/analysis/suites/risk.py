@@ -37,6 +37,9 @@ OTHERS: tuple[str, ...] = (
     INTENSITY_BIN, "intensity_bin_low", "intensity_bin_high", "deaggregation",
 )  # fmt: skip
 
+_PARTS = 1000
+"""Bins of a hazard curve in which the middle of a rate is looked for."""
+
 _CHANCES = 24
 """Betas that a scatter allows, at the nodes of Gauss's rule on their probability."""
 
@@ -149,9 +152,13 @@ def risk_rows(contents: Contents) -> Iterator[dict[str, Any]]:
 
 def central(contents: Contents, at: tuple[int, ...]) -> tuple[float, float]:
     """Intensities between which the middle 68 % of a rate come from; `at` of (body, limit state, hazard curve)."""
-    edges = np.append(contents.values("intensity_bin_low"), contents.values("intensity_bin_high")[-1])
-    reached = np.concatenate([[0.0], np.cumsum(contents.values("deaggregation")[at])])
-    low, high = np.exp(np.interp((0.16, 0.84), reached, np.log(edges)))
+    x, rate = (contents.values(f"hazard_{name}")[at[-1]] for name in ("intensity", "rate"))
+    hazard = HazardCurve("", x[np.isfinite(x)], rate[np.isfinite(rate)])
+    median, beta = (float(contents.values(f"fragility_{name}")[at[:-1]]) for name in ("median", "beta_total"))
+    curve = Fragility(median, beta, float(contents.values("fragility_begins_at")[at[:-2]]))
+    edges = np.geomspace(hazard.intensity[0], hazard.intensity[-1], _PARTS + 1)
+    parts = annual_rate(curve, hazard, edges).parts
+    low, high = np.exp(np.interp((0.16, 0.84), np.cumsum(np.append(0.0, parts)) / parts.sum(), np.log(edges)))
     return float(low), float(high)
 
 
