@@ -353,6 +353,17 @@ def two_intensities(n=60, seed=5, exponent=0.8):
     return (capacity < X).astype(int), np.broadcast_to(y, (n, len(X)))
 
 
+def test_a_divided_member_counts_once_in_the_mean_of_the_second_intensity():
+    """The part that stands and the part that overturns are two rows of one case."""
+    draw = np.random.default_rng(1)
+    x, y = np.exp(draw.standard_normal((2, 40, 1)))
+    fell = (x * y**0.5 * np.exp(0.3 * draw.standard_normal((40, 1))) > 1.0).astype(np.int64)
+    stands = np.where(np.arange(40) < 8, 0.6, 1.0)[:, None]
+    both = [np.concatenate(pair, axis=1) for pair in ((x, x), (fell, 1 - fell), (stands, 1.0 - stands), (y, y))]
+    made = curves(Seen(both[0], both[1], both[1], both[2], second=both[3]), 1)
+    assert made.second_at == pytest.approx(stats.gmean(y.ravel()), rel=1e-12)
+
+
 def test_two_intensities_are_the_clustered_probit_of_two_regressors_of_statsmodels():
     sm = pytest.importorskip("statsmodels.api")
     category, y = two_intensities()

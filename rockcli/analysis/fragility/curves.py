@@ -249,7 +249,8 @@ def curves(seen: Seen, states: int, *, fit: str = ORDINAL, begins_at: float = 0.
     u, second_at = np.log(seen.x[use] - begins_at)[:, None], np.nan
     if seen.second is not None and use.any():
         y = np.log(seen.second[use])
-        u, second_at = np.column_stack([u, y - y.mean()]), float(np.exp(y.mean()))
+        mean = np.average(y, weights=seen.weight[use])
+        u, second_at = np.column_stack([u, y - mean]), float(np.exp(mean))
     shared = None if seen.shared is None else np.broadcast_to(seen.shared[:, None], seen.x.shape)[use]
     rows = Rows(u, seen.low[use], seen.high[use], seen.weight[use], who[use], shared)
     status = np.array([_status(rows, j) for j in range(states)], dtype=np.int8)
