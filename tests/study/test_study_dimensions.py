@@ -4,8 +4,9 @@ import pytest
 import yaml
 
 from rockcli.errors import StudyError
-from rockcli.study.document.dimensions import check_unit
+from rockcli.study.document.dimensions import OF_KEYS, check_unit
 from rockcli.study.document.expressions import ExpressionError
+from rockcli.study.document.paths import ARRAYS
 from rockcli.study.open import open_study
 
 GOOD = {
@@ -17,6 +18,10 @@ GOOD = {
     },
     "vary": {"motion.pulse.a_p": ["0.3*g", "4*m/s**2"]},
 }
+
+
+def test_every_number_of_a_case_is_of_a_unit():
+    assert {path[-1] for path in ARRAYS} <= OF_KEYS.keys()
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ _ALIKE = {
     **{"ms": "s", "kN": "N", "t": "kg", "kPa": "Pa", "MPa": "Pa", "GPa": "Pa", "deg": "rad"},
 }
 
-_OF_KEYS: dict[str, str] = {
+OF_KEYS: dict[str, str] = {
     **UNITS_OF_KEYS,
     **dict.fromkeys(("T", "window", "periods", "fixed_base_period", "dt_out", "time"), "s"),
     **dict.fromkeys(("f", "bandpass"), "s-1"),
@@ -53,8 +53,8 @@ def check_unit(text: str, keys: Keys, let: Map | None = None) -> None:
         ExpressionError: naming what it is of and what is expected, or it is none.
     """
     last = next((key for key in reversed(keys) if isinstance(key, str)), "")
-    if last in _OF_KEYS and keys[0] != "let":
-        check_of_unit(text, _OF_KEYS[last], let)
+    if last in OF_KEYS and keys[0] != "let":
+        check_of_unit(text, OF_KEYS[last], let)
 
 
 def stated_number(
