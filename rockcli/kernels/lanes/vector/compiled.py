@@ -1,4 +1,4 @@
-"""`lane_vector` for compiled code: numba types that are LLVM vectors, and the operators on them.
+"""`plain` for compiled code: numba types that are LLVM vectors, and the operators on them.
 
 A vector wider than a register is split by LLVM; one of AVX-512 is used where the machine has it.
 """
