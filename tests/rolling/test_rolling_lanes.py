@@ -135,6 +135,24 @@ def test_lanes_of_records_answer_as_one_body_alone_does(seed, record, alone):
         assert np.mean(apart[calm] > 1 + 0.01 * theirs["n_impacts"][calm]) <= 0.2  # those near the least that counts
 
 
+def test_forces_where_a_record_ends_with_a_jump_are_read(tmp_path, alone):
+    acceleration = [0.0, -0.56, -1.12, 1.42, 3.96, 5.92, 7.89]
+    (tmp_path / "cut.txt").write_text("".join(f"{a}\n" for a in acceleration))
+    outline = [[0.0, 0.0], [0.54, 0.0], [0.68, 0.14], [0.61, 2.6], [-0.07, 2.5], [-0.11, 0.2]]
+    record = {"file": str(tmp_path / "cut.txt"), "units": "m/s2", "dt": 0.0055}
+    study = {
+        "name": "cut",
+        "case": {"block": {"outline": outline, "density": 1}, "motion": {"record": record}},
+        "vary": {"motion.record.scale": [1.0, 1.5, 2.0]},
+        "save": {"histories": False, "scalars": ["mu_required", "N_min_over_mg", "theta_dot_peak"]},
+    }
+    ((_, batch),) = open_study(study).batches()
+    together, one_by_one = solve(batch), alone(batch)
+    assert "lanes" in together.used["method"]
+    for name in study["save"]["scalars"]:
+        np.testing.assert_allclose(together.scalars[name], one_by_one[name], rtol=1e-7, err_msg=name)
+
+
 def test_the_outcome_alone_is_the_same(alone):
     for seed, record in ((18, ""), (39, ""), (54, ""), (18, RECORD), (54, RECORD)):
         batch = amplitudes(seed, record=record)

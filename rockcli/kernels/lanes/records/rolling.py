@@ -19,10 +19,11 @@ from rockcli.kernels.lanes.records.facets import (
     note_pushes,
     put_facet,
 )
-from rockcli.kernels.lanes.records.forces import account, drive
+from rockcli.kernels.lanes.records.forces import account, drive, weigh_end
 from rockcli.kernels.lanes.records.rest import STANDING, finish, ground, hand_over, turn
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.law import edge_of
 from rockcli.kernels.rigid.march import ALL, OUTCOME
 from rockcli.kernels.rigid.readings import set_peak
 from rockcli.kernels.rigid.roots import first_root, last_passage
@@ -127,7 +128,7 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
     """A lane at the end of its samples: the motion's, after which the outcome is known, or the report's."""
     body, g, facet = bodies[int(par[BODY])], par[at.G], int(par[FACET])
     q, v, s = st[lane.Q + i], st[lane.V + i], st[lane.SIDE + i]
-    last = st[lane.LAST + i]
+    last, edge = st[lane.LAST + i], edge_of(par, at.RIGHT if s > 0.0 else at.LEFT)
     if st[lane.END + i] == last:
         verdict, rests_on, hits = free_rolling(body, g, facet, s, q, v, how.margin * par[SCALE])
         out[to.VERDICT], out[also.FACET] = verdict, rests_on
@@ -142,6 +143,7 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
             return hand_over(out)
         if how.detail == ALL:
             st[lane.WORK + i] -= values[int(last)] * drive(st, i, q, False)
+            weigh_end(st, i, edge, s, q, v, values[int(last)] * par[at.FACTOR_H], 0.0, False)
         st[lane.PIECE + i], st[lane.END + i], st[lane.X + i] = last + 1.0, last + 2.0, 0.0
         st[lane.LEN + i] = par[at.T_STOP] - par[at.T_MOTION]
         st[lane.CAP + i] = st[lane.DT + i]
@@ -151,6 +153,7 @@ def arrive_rolling(st, i, par, bodies, how, values, out):
     verdict, theta = out[to.VERDICT], par[TILT] + s * q
     out[to.T_END] = par[at.T_STOP]
     if how.detail == ALL:
+        weigh_end(st, i, edge, s, q, v, 0.0, 0.0, False)
         account(st, i, energy_of(par, body, s, q, v), out)
     inward = s * v * theta <= 0.0
     if verdict == FALLS:
