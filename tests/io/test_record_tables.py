@@ -117,7 +117,7 @@ def test_pairs_in_every_direction(tmp_path: Path) -> None:
     measures = rotated_measures(one, two, dt)
     expected = [*(np.array(measures["pga"]) / G), *measures["pgv"], sa[0][0] / G, sa[1][0] / G]
     np.testing.assert_allclose([float(word) for word in row.split()[-6:]], expected, rtol=1e-3)
-    with pytest.raises(RecordError, match="pairs of components; these are 1"):
+    with pytest.raises(RecordError, match="needs pairs of components, not 1 file"):
         run("info", paths[0], "--rotd", "--dt", dt)
     paths[1].write_text("# units: m/s2\n1\n2\n3\n")
     with pytest.raises(RecordError, match="need the same times"):
