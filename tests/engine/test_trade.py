@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -56,6 +57,7 @@ def medians(found, part, family):
 
 @pytest.fixture
 def two_methods(monkeypatch):
+    importlib.import_module("rockcli.solvers.general.solver")  # keeps all of them, whoever imports it first
     few = {name: methods.METHODS[name] for name in ("RK45", "DOP853")}
     monkeypatch.setattr(methods, "METHODS", few)
     monkeypatch.setitem(BACKENDS, "scipy", replace(BACKENDS["scipy"], settings=(1e-3, 1e-6, 1e-9)))
