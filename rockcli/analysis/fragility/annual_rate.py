@@ -87,13 +87,14 @@ def annual_rate(curve: Fragility, hazard: HazardCurve, edges: Array | None = Non
 
 
 def rates_of(above: Array, beta: Array, begins_at: float, hazard: HazardCurve) -> Array:
-    """Rates of many curves at once, (...), to a hundredth: mean rates of the hazard at capacities.
+    """Rates of many curves at once, (...) [1/year], to a hundredth: mean rates of the hazard at capacities.
 
     It is `total` of `annual_rate`, integrated by parts: capacities below the first point of the hazard curve have the
     rate there, as motions below it are not counted, and those beyond its last point none.
 
     Args:
-        above: (...) ln(median - begins_at); beta: (...).
+        above: (...) ln(median - begins_at); beta: (...) of the curves.
+        begins_at: intensity at and below which they are zero, in units of the hazard curve.
     """
     from scipy.special import ndtr
 

@@ -659,5 +659,4 @@ def limit_words(label: Any) -> str:
 
 def _members(over: Over, n: int) -> str:
     """`42 records`, `1 sample`, `9 points of T_p`."""
-    many = "" if n == 1 else "s"
-    return f"{n} {over.axis}{many}" if over.axis in ("record", "sample") else f"{n} point{many} of {over.axis}"
+    return counted(n, over.axis) if over.axis in ("record", "sample") else f"{counted(n, 'point')} of {over.axis}"

@@ -9,6 +9,7 @@ import numpy as np
 from rockcli.errors import StudyError
 from rockcli.scene.auto import highest
 from rockcli.scene.batch import Batch
+from rockcli.scene.counted import counted
 from rockcli.scene.laws.models import FLEXIBLE
 from rockcli.solvers.common.duration import durations_of
 from rockcli.study.cases.buildable import buildable
@@ -61,7 +62,7 @@ def check_histories(study: Study) -> None:
     with np.errstate(all="ignore"):
         size = histories_size(study, HISTORIES_AT_MOST)
     if not size.bytes <= HISTORIES_AT_MOST:
-        cases = _counted(study.size, "case")
+        cases = counted(study.size, "case")
         raise StudyError(
             f"histories would take {size.bytes / 1e9:.3g} GB ({cases} x {size.points:.4g} output times x "
             f"{size.variables} variables); at most {HISTORIES_AT_MOST / 1e9:.3g} GB are allowed: "
@@ -92,7 +93,3 @@ def _remedy(study: Study, size: Size) -> str:
     if study.axes:
         ways.append("save those of some cases only (save.histories: {axis: value})")
     return ", or ".join(ways)
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" + ("" if number == 1 else "s")
