@@ -25,6 +25,7 @@ def attributes(study: Study, results: Results) -> dict[str, str]:
     more = {
         "study": study.resolved_yaml,
         "case": as_json(study.case),
+        "varied": as_json(study.varied),
         "study_name": study.name,
         "identity": study.identity,
         "sweep_id": study.sweep_id,
@@ -54,6 +55,7 @@ def refreshed(attrs: dict[str, str], study: Study) -> dict[str, str]:
         "references": study.references,
         "study": study.resolved_yaml,
         "case": as_json(study.case),
+        "varied": as_json(study.varied),
         "compare_to": as_json(study.compare_to),
         "history": f"{attrs['history']}\n{now} described again by rockcli {__version__}",
     }

@@ -46,7 +46,7 @@ from rockcli.study.document.expressions import CONSTANTS, FUNCTIONS, SYMBOLS, Ex
 from rockcli.study.document.loader import load_file, load_mapping
 from rockcli.study.document.overrides import apply_overrides, settings_of, without_effect
 from rockcli.study.document.shorthands import expanded
-from rockcli.study.document.tree import Map, Source, Where, place, value_at
+from rockcli.study.document.tree import Map, Source, Where, dotted, place, value_at
 from rockcli.study.expect import check_histories, match, read_expect
 from rockcli.study.given_records import taken_out
 from rockcli.study.identity import as_yaml, identity, lays_over, plain, sweep_id
@@ -171,6 +171,7 @@ def open_study(
         refine=refine,
         audit=part.audit,
         g=g,
+        varied=tuple(sorted({dotted(path[path[0] == "case" :]) for one in variations for path in one.paths})),
         places=_places(tree, axes),
     )
 

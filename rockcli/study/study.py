@@ -287,6 +287,7 @@ class Study:
         processing: record name -> what was done to it, sentences in order, with the effect on PGA and PGV.
         warnings: sentences about the study as a whole.
         g: what the expression that the case has for g comes to, where that is one number in all cases [m/s²].
+        varied: paths inside the case that axes, settings of their points, tables, samples and a search change, sorted.
         places: where the file says what decides on the backend, by key (`solver.method`, `vary.base[1]`), of those that
             it says.
     """
@@ -320,6 +321,7 @@ class Study:
     refine: tuple[str, ...] = ()
     audit: float | bool = False
     g: float | None = None
+    varied: tuple[str, ...] = ()
     places: dict[str, Where] = field(default_factory=dict)
 
     @property

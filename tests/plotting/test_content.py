@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from itertools import pairwise, product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +19,10 @@ from scipy.integrate import quad
 import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.common import ground
+from rockcli.plotting.common.case_settings import may_vary
 from rockcli.plotting.common.labels import axis_label, coordinate_label
 from rockcli.plotting.common.response import edges, response_of, window
+from rockcli.plotting.common.selection import overlaid
 from rockcli.plotting.kinds import map as outcomes
 from rockcli.plotting.page.facts import facts_of
 from rockcli.scene.variables import VARIABLES
@@ -296,9 +300,29 @@ def test_the_separatrix_is_that_of_the_model() -> None:
 )
 def test_no_separatrix_where_none_is_known(case: dict[str, Any], vary: dict[str, Any]) -> None:
     made = {"block": {"R": 3.0, "alpha": 0.2}, "initial": {"theta_dot": "0.6*p*alpha"}, "motion": {"duration": 1}}
-    figure = figures.figure("phase", rockcli.run({"case": made | case, "vary": vary}))
-    assert not any(line.is_dashed() for axes in figure.axes for line in axes.lines)
-    assert "separatrix" not in figure.get_suptitle()
+    dataset = rockcli.run({"case": made | case, "vary": vary})
+    for drawn in (dataset, overlaid([dataset, dataset], ["one", "other"])):
+        figure = figures.figure("phase", drawn)
+        assert not any(line.is_dashed() for axes in figure.axes for line in axes.lines)
+        assert "separatrix" not in figure.get_suptitle()
+
+
+def test_a_dataset_tells_what_differs_between_its_cases(tmp_path: Path) -> None:
+    (tmp_path / "bodies.csv").write_text("body,g,model\nmoon,1.62,rigid\nearth,9.81,linearized\n")
+    case = {"block": {"R": 3.0, "alpha": 0.2}, "motion": {"pulse": {"shape": "sine", "a_p": "0.3*g", "omega_p": 6}}}
+    lifted = {"vertical": {"pulse": {"shape": "sine", "a_p": "k*g", "omega_p": 6}}}
+    vary = {
+        "block.R": [1.0, 2.0],
+        "let.k": [0.1, 0.2],
+        "case": str(tmp_path / "bodies.csv"),
+        "motion": {"alone": {}, "lifted": lifted},
+    }
+    dataset = rockcli.run({"case": case, "let": {"k": 0.1}, "vary": vary})
+    of_pulse = [f"motion.vertical.pulse.{key}" for key in ("a_p", "omega_p", "shape")]
+    assert json.loads(dataset.attrs["varied"]) == ["block.R", "g", "let.k", "model", *of_pulse]
+    assert may_vary(dataset, "motion.vertical")
+    assert may_vary(dataset, "block.alpha", "g")
+    assert not may_vary(dataset, "motion.pulse", "motion.vert", "block.R.x")
 
 
 @pytest.mark.parametrize(

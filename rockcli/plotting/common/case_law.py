@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockcli.plotting.common.case_settings import resolved_case
+from rockcli.plotting.common.case_settings import may_vary, resolved_case
 from rockcli.plotting.common.cases import axes_of
 from rockcli.plotting.common.labels import path_of
 from rockcli.scene.laws.models import DEFAULT_GEOMETRY, MODELS, Model
 
 if TYPE_CHECKING:
     import xarray
-
-_VARIES_MODELS = re.compile(r"^vary:.*\b(model|geometry)\b", re.MULTILINE | re.DOTALL)
 
 
 def model_of(dataset: xarray.Dataset) -> Model | None:
@@ -35,7 +32,7 @@ def model_of(dataset: xarray.Dataset) -> Model | None:
     name = str(model["name"] if isinstance(model, dict) else model)
     for axis in axes_of(dataset):
         path = path_of(dataset, axis).removeprefix("case.")
-        if path == "case" and _chosen_by_settings(dataset):
+        if path == "case" and may_vary(dataset, "model", "geometry"):
             return None
         if path == "model":
             name = str(dataset[axis].values)
@@ -49,9 +46,3 @@ def may_have_dashpot(dataset: xarray.Dataset) -> bool:
     tables = (dataset[name].values for name in map(str, dataset.variables) if name.startswith("given_damping"))
     said = (str(dataset.attrs.get(name, "")) for name in ("study", "cases"))
     return any("dashpot" in words for words in said) or any("dashpot" in map(str, np.ravel(t)) for t in tables)
-
-
-def _chosen_by_settings(dataset: xarray.Dataset) -> bool:
-    """Whether settings of the case, in the study or in a table, may say which model."""
-    tables = any(name.startswith(("given_model", "given_geometry")) for name in map(str, dataset.variables))
-    return tables or _VARIES_MODELS.search(str(dataset.attrs.get("study", ""))) is not None

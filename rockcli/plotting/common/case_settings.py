@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockcli.scene.axis_path import axis_path
+
 if TYPE_CHECKING:
     import xarray
 
@@ -31,6 +33,22 @@ def resolved_cases(dataset: xarray.Dataset) -> list[dict[str, Any]]:
         return [dict(json.loads(dataset.attrs.get("case", "{}")))]
     cases = json.loads(dataset.attrs["cases"])
     return [cases[str(label)] for label in np.ravel(dataset[DATASET].values)]
+
+
+def varied(dataset: xarray.Dataset) -> list[str]:
+    """Paths inside the case that axes, settings of their points, tables and samples change.
+
+    Of datasets of earlier versions, which tell neither settings nor tables, those of their axes.
+    """
+    if "varied" in dataset.attrs:
+        return list(json.loads(dataset.attrs["varied"]))
+    return [axis_path(dataset[name].attrs, name) for name in str(dataset.attrs.get("axes", "")).split()]
+
+
+def may_vary(dataset: xarray.Dataset, *keys: str) -> bool:
+    """Whether one of these keys of the case, or a key below it, differs between cases, or may: settings can be any."""
+    paths = varied(dataset)
+    return "case" in paths or any(f"{path}.".startswith(f"{key}.") for path in paths for key in keys)
 
 
 def every_case(dataset: xarray.Dataset) -> list[dict[str, Any]]:

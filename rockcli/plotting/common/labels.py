@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockcli.plotting.common.case_settings import DATASET, every_case, resolved_case, resolved_cases
+from rockcli.plotting.common.case_settings import DATASET, every_case, may_vary, resolved_case, resolved_cases
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.response import SLIDING
@@ -48,12 +48,6 @@ _SYMBOLS: dict[str, str] = {
 _PERIOD = re.compile(r"([0-9.]+)(?:\*s)?")
 """A number of seconds, as studies write it."""
 
-_VERTICAL = re.compile(r"\bvertical\b[\w.\"']*[ \t]*:")
-"""The key of vertical motion, or a path below it, as studies write them."""
-
-_VARIES_G = re.compile(r"^vary:.*[\s{,\"']g[\"']?[ \t]*:", re.MULTILINE | re.DOTALL)
-"""The key g among the axes and their settings, as studies write it."""
-
 _POWERS = r"(-?\d+(?:\.\d+)?)e\+?(-?\d+)"
 
 _ENDING = re.compile(r"\.(at2|csv|txt|dat|acc|smc|v1a?|v2a?|mseed|asc|th)$", re.I)
@@ -91,8 +85,7 @@ def axis_symbol(dataset: xarray.Dataset, axis: str) -> str:
 
 def _period_of_sa(dataset: xarray.Dataset) -> str:
     """The period of `sa` in the base case; "" where an axis, a table or a setting gives another."""
-    in_study, in_case = (str(dataset.attrs.get(name, "")).count("sa_period") for name in ("study", "case"))
-    if in_study > in_case or any(path_of(dataset, str(name)).endswith(".sa_period") for name in dataset.coords):
+    if may_vary(dataset, "motion.record.sa_period"):
         return ""
     record = (resolved_case(dataset).get("motion") or {}).get("record") or {}
     return str(record.get("sa_period", ""))
@@ -177,15 +170,9 @@ def lifts_without(dataset: xarray.Dataset) -> str:
 
 
 def _has_vertical(dataset: xarray.Dataset) -> bool:
-    """Whether the base case, an axis or a setting, as the study writes them, has vertical motion."""
+    """Whether the base case, an axis or a setting, may have vertical motion."""
     motions = [case.get("motion") or {} for case in resolved_cases(dataset)]
-    axes = str(dataset.attrs.get("axes", "")).split()
-    written = _VERTICAL.search(str(dataset.attrs.get("study", ""))) is not None
-    return (
-        any(motion.get("vertical") for motion in motions)
-        or written
-        or any(".vertical." in path_of(dataset, axis) for axis in axes)
-    )
+    return any(motion.get("vertical") for motion in motions) or may_vary(dataset, "motion.vertical")
 
 
 def unit_g(dataset: xarray.Dataset) -> float:
@@ -234,7 +221,7 @@ def _gravity(dataset: xarray.Dataset) -> Any:
     varied = next((str(name) for name in dataset.coords if path_of(dataset, str(name)) == "g"), "")
     if varied:
         return dataset[varied]
-    if _VARIES_G.search(str(dataset.attrs.get("study", ""))):
+    if may_vary(dataset, "g"):
         return np.nan
     own = [g_of(case, ()) for case in resolved_cases(dataset)]
     return own[0] if len({*own}) == 1 else dataset[DATASET].copy(data=np.array(own))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.errors import StudyError
-from rockcli.plotting.common.case_settings import DATASET, resolved_case
+from rockcli.plotting.common.case_settings import DATASET, resolved_case, varied
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric
 from rockcli.plotting.common.labels import coordinate_label, lifts_from, path_of, shown_unit
 from rockcli.scene.likeness import as_read
@@ -196,6 +196,7 @@ def overlaid(datasets: Sequence[xarray.Dataset], names: Sequence[str]) -> xarray
     titles = dict.fromkeys(str(each.attrs.get("title", "")) for each in datasets)
     attrs = {"axes": " ".join([DATASET, *axes]), "title": " / ".join(filter(None, titles))}
     attrs["cases"] = json.dumps(dict(zip(labels, map(resolved_case, datasets), strict=True)))
+    attrs["varied"] = json.dumps(sorted({path for each in datasets for path in varied(each)}))
     return first.__class__(items, coords, attrs)
 
 

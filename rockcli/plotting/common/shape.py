@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.path import Path
 
 from rockcli.kernels.contact.codes import SLIDE, SLIDE_ROCK
-from rockcli.plotting.common.case_settings import case_settings
+from rockcli.plotting.common.case_settings import case_settings, may_vary
 from rockcli.plotting.common.cases import Array, axes_of, has_overturned, values_at
 from rockcli.plotting.common.response import edges
 from rockcli.scene.body.block import LEFT, RIGHT
@@ -32,7 +32,6 @@ _NARROWEST = 0.6
 """Width over height from which the numbers along the axis of a slender body do not touch."""
 
 _NUMBER = re.compile(r"[0-9.]+(?:e[-+]?[0-9]+)?")
-_SAYS_TOP = re.compile(r"\btop:")
 
 _HALVINGS = 30
 """Bisections for the largest bending that stays above the ground."""
@@ -101,8 +100,8 @@ def _up_to_its_top(dataset: xarray.Dataset, position: tuple[int, ...], b: Array,
         top = float(values_at(dataset, at, position))
     else:
         said = case_settings(dataset).get("block.top", "")
-        once = len(_SAYS_TOP.findall(str(dataset.attrs.get("study", "")))) == 1
-        top = float(said) if once and _NUMBER.fullmatch(said) else np.nan
+        known = not may_vary(dataset, "block.top") and _NUMBER.fullmatch(said)
+        top = float(said) if known else np.nan
     if not top > 0.5 * height or abs(top - height) <= LEVEL * height:
         return None
     left, right = -b[LEFT], b[RIGHT]

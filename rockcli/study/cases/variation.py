@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.study.building.numbers import Varied
-from rockcli.study.document.overlay import Path, Setting
+from rockcli.study.document.overlay import Path, Setting, leaves
 from rockcli.study.document.tree import Map, Where
 from rockcli.study.study import Axis
 
@@ -53,6 +53,12 @@ class Variation:
         columns = () if self.columns is None else self.columns
         said = chain(columns, (path for point in self.settings for path, _, _ in point))
         return any(path[0] != "case" or path[1] in ("block", "damping") for path in said)
+
+    @property
+    def paths(self) -> frozenset[Path]:
+        """Paths, from the top of a study, of all that its points say."""
+        said = (item for point in self.points() for item in point)
+        return frozenset((*path, *below) for path, value, _ in said for below, _ in leaves(value))
 
     def points(self) -> tuple[tuple[Setting, ...], ...]:
         """What each point puts into a case; of points that differ only in numbers, the first."""
