@@ -11,6 +11,7 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+import rockcli
 from rockcli.cli.main import app
 from rockcli.study.open import open_study
 from rockcli.study.schema import CasePart, MotionPart, StudyPart
@@ -174,6 +175,13 @@ def test_the_summary_and_the_verdicts_are_as_described(tmp_path):
         ("2", "1", "0"),
         ("2", "0", "0"),
     ]
+
+
+def test_every_attribute_of_a_dataset_is_described():
+    dataset = rockcli.run(ROOT / "studies" / "examples" / "first_rock.yaml")
+    rows = re.findall(r"^\| (`.*?`) \|", TEXT["docs/python.md"].split("**What `dataset.attrs` says**")[1], re.M)
+    described = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    assert sorted(described) == sorted(dataset.attrs)
 
 
 def test_a_wrong_study_leaves_no_summary(tmp_path):
