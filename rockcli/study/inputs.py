@@ -12,7 +12,10 @@ from pathlib import Path
 from rockcli.errors import StudyError
 
 MAX_BYTES = 1_000_000
-"""Largest study, table or outline."""
+"""Largest study."""
+
+MAX_TABLE = 50_000_000
+"""Largest table or outline."""
 
 _BEHIND_QUOTES = re.compile(r'"[ \t]+(?=[,\r\n]|\Z)')
 
@@ -31,7 +34,7 @@ class Inputs:
     hashes: dict[str, str] = field(default_factory=dict)
     _kept: dict[str, bytes] = field(default_factory=dict)
 
-    def read(self, name: str, path: Path, most: int = MAX_BYTES) -> bytes:
+    def read(self, name: str, path: Path, most: int = MAX_TABLE) -> bytes:
         """The bytes of a file, read once however many cases need it.
 
         Raises:
@@ -104,5 +107,5 @@ def read_bytes(path: Path, most: int = MAX_BYTES, what: str = "a study file") ->
         reason = getattr(error, "strerror", None) or str(error)
         raise StudyError(f"cannot be read: {reason}", file=path) from None
     if len(data) > most:
-        raise StudyError(f"is larger than {most} bytes", file=path)
+        raise StudyError(f"is larger than {most / 1e6:g} MB", file=path)
     return data

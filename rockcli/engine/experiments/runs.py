@@ -14,7 +14,7 @@ from rockcli.analysis.experiments.scores import Index, numbered
 from rockcli.errors import StudyError
 from rockcli.scene.counted import counted
 from rockcli.scene.response import OUTCOMES, overturned
-from rockcli.study.inputs import csv_rows, read_bytes
+from rockcli.study.inputs import MAX_TABLE, csv_rows, read_bytes
 
 Array = NDArray[np.float64]
 
@@ -32,8 +32,6 @@ STOOD = {"0", "false", "no", "stood", "standing", "stable", "upright", "survived
 }
 
 _KNOWN = {RESULT, RECORD, SCALE, GROUP, SPECIMEN, SESSION, RUN, *MEASURES}
-
-_MAX_BYTES = 50_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +188,7 @@ def read_runs(path: Path, *, group: str = GROUP, predictions: Sequence[str] | No
 def _cells(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
     """Line and names of the head, and line and cells of every row."""
     rows = [
-        row for row in csv_rows(read_bytes(path, _MAX_BYTES, "a table of runs"), path) if not row[1][0].startswith("#")
+        row for row in csv_rows(read_bytes(path, MAX_TABLE, "a table of runs"), path) if not row[1][0].startswith("#")
     ]
     if len(rows) < 2:
         raise StudyError("has no runs: expected a line of names, as `record,outcome`, and a line per run", file=path)

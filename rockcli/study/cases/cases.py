@@ -225,7 +225,8 @@ class Cases:
         structural = self.structural
         walked = {i: [0] for i in range(len(shape)) if i not in structural}
         ends = {i: self._ends(i) for i in walked}
-        spots = [np.array(list(product(*(ends[i] for i in walked))), dtype=np.int64).reshape(-1, len(walked))]
+        corners = list(product(*(ends[i] for i in walked)))
+        spots = [np.array(corners, dtype=np.int64).reshape(len(corners), len(walked))]
         for k, i in enumerate(walked):
             spots.append(np.zeros((shape[i], len(walked)), dtype=np.int64))
             spots[-1][:, k] = np.arange(shape[i])
