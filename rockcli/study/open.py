@@ -212,8 +212,12 @@ def _statistics(
     search: Search | None,
     g: float | None,
 ) -> Over | None:
-    """What is told over an axis, and the rates that hazard curves make of it; samples are told over unless asked."""
-    wanted = part.over or (OverPart(axis=SAMPLE) if uncertain is not None else None)
+    """What is told over an axis, and the rates that hazard curves make of it; samples are told over unless asked.
+
+    Static curves of uncertain bodies, of which no scalar is saved, have no statistics unless `over` asks for them.
+    """
+    of_samples = uncertain is not None and (scalars or search is not None)
+    wanted = part.over or (OverPart(axis=SAMPLE) if of_samples else None)
     over = read_over(where, tree, wanted, axes, scalars, searches=search is not None)
     if over is not None and uncertain is not None and SAMPLE in over.axes:
         over = dataclasses.replace(over, inputs=tuple(each.path for each in uncertain.inputs))

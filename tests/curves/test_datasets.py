@@ -49,6 +49,19 @@ def test_a_study_in_which_nothing_moves_holds_its_curves_only():
     assert float(dataset["u_free_corner"].isel(tan_alpha=0, model=0, geometry=0, rotation=-1)) == pytest.approx(width)
 
 
+def test_uncertain_bodies_have_static_curves_and_no_statistics():
+    """asin(tan alpha)/alpha is where the moment of model 3, corotational, vanishes; `over` is still answered."""
+    still = {"case": {"block": {"R": 5.0, "tan_alpha": 0.2}, "model": 3, "geometry": "corotational"}}
+    still |= {"curves": ["moment_rotation"], "uncertain": {"block.tan_alpha": {"normal": [0.2, 0.01]}}, "samples": 4}
+    dataset = rockcli.run(still)
+    assert dataset.sizes == {"sample": 4, "rotation": 201}
+    tan_alpha = dataset["sampled_tan_alpha"]
+    expected = np.arcsin(tan_alpha) / np.arctan(tan_alpha)
+    np.testing.assert_allclose(dataset["theta_critical_over_alpha"], expected, rtol=1e-12)
+    with pytest.raises(StudyError, match="over needs outcome"):
+        rockcli.check(still | {"over": "sample"})
+
+
 def test_the_resolved_study_runs_again_and_gives_the_same():
     first = rockcli.run(STILL)
     again = rockcli.run(yaml.safe_load(first.attrs["study"]))
