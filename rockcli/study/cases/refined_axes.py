@@ -37,9 +37,10 @@ def read_refine(
     """
     if not part.refine:
         return ()
+    key = "over" if part.over is not None else "uncertain"  # samples are told over where `over` is not said
     for asked, why in (
         (searches, "`find` does not make a map; leave out one of the two"),
-        (over is not None, "`over` takes statistics of cases, of which `refine` leaves most out; drop one of the two"),
+        (over is not None, f"`{key}` takes statistics of cases, of which `refine` leaves most out; drop one of them"),
         (part.save.histories, "no histories are saved of a refined map; drop save.histories"),
         ("outcome" not in scalars, "needs outcomes, and this study is one of static curves"),
     ):
