@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray
 from half_sines import SUITE
+from matplotlib import rc_context
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -21,6 +22,7 @@ from plotting.test_work_precision import traded
 
 import rockcli
 from rockcli.plotting import record_spectra
+from rockcli.plotting.common import style
 from rockcli.plotting.common.style import wrapped
 
 MADE = {
@@ -345,3 +347,14 @@ def test_panels_with_little_in_common_stand_below_one_another_in_a_column(drawn)
         body, barrier = drawn("barriers", width).axes
         assert (body.get_position().x1 < barrier.get_position().x0) == abreast
         assert (body.get_position().y0 > barrier.get_position().y1) != abreast
+
+
+@pytest.mark.parametrize("width", [60, 90])
+def test_short_names_in_a_legend_stay_on_the_page(width):
+    """Names of up to twelve letters were set in as many columns as asked for, whether there was room or not."""
+    figure = style.new_figure(width / 25.4, 2.0)
+    handles = [Line2D([], [], label=f"record number {k}"[:12]) for k in range(4)]
+    with rc_context(style.RC):
+        style.legend_below(figure, handles)
+    figure.draw_without_rendering()
+    check_words(figure)

@@ -288,7 +288,7 @@ def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **sty
         labels = [_in_lines(each, letters) for each in words]
         legend = figure.legend(list(handles), labels, loc="outside lower center", **how)
         size = legend.get_window_extent(renderer)
-        if letters <= _FEWEST or size.width <= 0.98 * figure.bbox.width:
+        if (columns == 1 and letters <= _FEWEST) or size.width <= 0.98 * figure.bbox.width:
             more = size.height / figure.dpi - _SHARE * figure.get_figheight()
             figure.set_figheight(figure.get_figheight() + max(more, 0.0))
             return legend
