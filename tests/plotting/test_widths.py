@@ -358,3 +358,15 @@ def test_short_names_in_a_legend_stay_on_the_page(width):
         style.legend_below(figure, handles)
     figure.draw_without_rendering()
     check_words(figure)
+
+
+def test_every_line_of_a_title_of_a_panel_is_as_long_as_the_panel():
+    """What mathematics is written with, in one line, made room for more letters in another that has none."""
+    pulse = {"shape": "sine", "a_p_over_g_tan_alpha": 20, "omega_p_over_p": 0.2}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    vary = {f"motion.pulse.{key}": [1.0 * value, 1.5 * value] for key, value in pulse.items() if key != "shape"}
+    figure = rockcli.plot(rockcli.run({"name": "t", "case": case, "vary": vary}), "phase", width=90)
+    figure.draw_without_rendering()
+    check_words(figure)
+    title = "$a_p/(g\\,\\tan\\alpha)$ = 20,\n$\\omega_p/p$ = 0.2, overturned\nwithout impact"
+    assert figure.axes[0].get_title() == title

@@ -238,6 +238,10 @@ _UNIT, _JOINED = re.compile(r" (?== )|(?<= =) |(?<=\d) (?=(?:g|mm?|s|rad|Hz|m/sÂ
 """Blanks at which a line does not end, and what stands for them."""
 
 
+_MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$.*?(?<!\\)\$"), 0xE000
+"""What stands between dollars, and the first letter of those that no text has, which stand for it."""
+
+
 def wrapped(words: str, columns: int) -> list[str]:
     """Words in as few lines as `columns` letters a line allow, of nearly one length; numbers keep their units."""
     words = _UNIT.sub(_JOINED, words)
@@ -256,9 +260,12 @@ def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> 
 
 
 def _in_lines(words: str, columns: int) -> str:
-    """Words in lines of at most so many letters that are seen."""
-    unseen = len(words) - len(_seen(words))
-    return "\n".join(wrapped(words, columns + unseen))
+    """Words in lines of at most so many letters that are seen; mathematics stays whole."""
+    pieces = {chr(_PRIVATE + i): piece for i, piece in enumerate(_MATHEMATICS.findall(words))}
+    for letter, piece in pieces.items():
+        words = words.replace(piece, letter * len(_seen(piece)), 1)
+    lines = "\n".join(wrapped(words, max([columns, *map(words.count, pieces)])))
+    return re.sub("|".join(f"{letter}+" for letter in pieces) or "$^", lambda found: pieces[found[0][0]], lines)
 
 
 def _seen(words: str) -> str:
