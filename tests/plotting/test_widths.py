@@ -370,3 +370,22 @@ def test_every_line_of_a_title_of_a_panel_is_as_long_as_the_panel():
     check_words(figure)
     title = "$a_p/(g\\,\\tan\\alpha)$ = 20,\n$\\omega_p/p$ = 0.2, overturned\nwithout impact"
     assert figure.axes[0].get_title() == title
+
+
+@pytest.mark.parametrize("width", [90, 180])
+@pytest.mark.parametrize("kind", ["histories", "motion", "bending"])
+def test_names_of_traces_stay_above_their_panels(kind, width):
+    """Long names of one line each reached over the panel beside them and off the page."""
+    said = "shelf of the archive with the files of 1950 to 1990, unloaded and not tied to the wall"
+    names = [f"{said}, {word}" for word in ("as it stands", "on a plate", "on rollers")]
+    steps = np.sin(np.arange(200) * 0.1)
+    records = {name: {"values": (steps**n).tolist(), "dt": 0.02, "units": "g"} for n, name in enumerate(names, 1)}
+    case = {"block": {"height": 2.0, "width": 0.5}, "motion": {"record": records[names[0]]}}
+    vary = {"motion.record": records}
+    if kind == "bending":
+        case |= {"model": "flexible", "column": {"E": 3e9, "rho": 2400.0, "zeta": 0.02}}
+        vary = {"case": {name: {"column.E": E} for name, E in zip(names, (3e8, 3e9, 3e10), strict=True)}}
+    data = rockcli.run({"name": "long", "case": case, "vary": vary})
+    figure = rockcli.plot(data, kind, width=width)
+    figure.draw_without_rendering()
+    check_words(figure)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, values_at, values_of
 from rockcli.plotting.common.labels import lifts_from, two_edged, unit_g
-from rockcli.plotting.common.style import COLOURS, QUIET
+from rockcli.plotting.common.style import COLOURS, DOUBLE, QUIET, trace_title, width_or
 from rockcli.scene.variables import MOTION
 
 if TYPE_CHECKING:
@@ -182,7 +182,7 @@ def draw_ground(
         axes.set_ylabel("peak $a_g$ [g]")
     words = panel[0].label if named and len(panel) == 1 else ""
     if words:
-        axes.set_title(words, loc="left", fontsize=8.0, pad=2.0)
+        trace_title(axes, words, width_or(DOUBLE))
     if any(motion.vertical is not None for motion in panel):
         handles = [
             Line2D([], [], color=colour, linewidth=0.8, label=label)

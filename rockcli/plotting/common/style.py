@@ -129,6 +129,9 @@ _ROOM = 10.0
 _FEWEST = 12
 """Letters of a line that is broken no further."""
 
+_BESIDE = 0.65
+"""What a panel of traces leaves of its width to numbers and words beside it [in]."""
+
 PAIR = 4.2
 """Width from which two panels of different content have room beside one another [in]."""
 
@@ -259,13 +262,19 @@ def panel_title(axes: Axes, words: str, width: float, fontsize: float = 8.5) -> 
     axes.set_title(_in_lines(words, max(int(width * 135.0 / fontsize), _FEWEST)), fontsize=fontsize)
 
 
+def trace_title(axes: Axes, words: str, width: float) -> None:
+    """Name of a trace above the left end of its panel, wrapped to its width [in]."""
+    columns = max(int((width - _BESIDE) * 16.0), _FEWEST)
+    axes.set_title(_in_lines(words, columns), loc="left", fontsize=8.0, pad=2.0)
+
+
 def _in_lines(words: str, columns: int) -> str:
     """Words in lines of at most so many letters that are seen; mathematics stays whole."""
     pieces = {chr(_PRIVATE + i): piece for i, piece in enumerate(_MATHEMATICS.findall(words))}
     for letter, piece in pieces.items():
         words = words.replace(piece, letter * len(_seen(piece)), 1)
     lines = "\n".join(wrapped(words, max([columns, *map(words.count, pieces)])))
-    return re.sub("|".join(f"{letter}+" for letter in pieces) or "$^", lambda found: pieces[found[0][0]], lines)
+    return re.sub(r"([\ue000-\uf8ff])\1*", lambda found: pieces.get(found[1], found[0]), lines)
 
 
 def _seen(words: str) -> str:

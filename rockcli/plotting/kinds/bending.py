@@ -20,6 +20,8 @@ from rockcli.plotting.common.style import (
     headline,
     legend_below,
     new_figure,
+    panel_title,
+    trace_title,
     width_or,
 )
 
@@ -95,9 +97,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
                 limits[name] = min(limits[name][0], low), max(limits[name][1], high)
             axes.axhline(0.0, color=QUIET, linewidth=0.4, zorder=0)
             if len(members) < len(curves) and number == 0:
-                axes.set_title(curves[members[0]].label, loc="left", fontsize=8.0, pad=2.0)
+                trace_title(axes, curves[members[0]].label, width_or(DOUBLE) / len(columns))
         fell |= any(has_overturned(dataset, position) for position in positions)
-        panels[0].set_title(column.label, fontsize=9.0)
+        panel_title(panels[0], column.label, width_or(DOUBLE) / len(columns), fontsize=9.0)
         panels[-1].set_xlabel("time [s]")
         panels[-1].set_xlim(seen.start, seen.end)
         if len(columns) == 1:

@@ -10,7 +10,18 @@ from rockcli.motion.spectrum import forcing, pseudo_acceleration
 from rockcli.plotting.common.cases import Array, axes_of, selection_note
 from rockcli.plotting.common.ground import Motion, motions
 from rockcli.plotting.common.labels import title_of
-from rockcli.plotting.common.style import COLOURS, DOUBLE, LINES, PAIR, QUIET, headline, legend_of, new_figure, width_or
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    LINES,
+    PAIR,
+    QUIET,
+    headline,
+    legend_of,
+    new_figure,
+    trace_title,
+    width_or,
+)
 from rockcli.scene.ground.excitation import Samples
 
 if TYPE_CHECKING:
@@ -62,7 +73,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         style = LINES[number % len(LINES)]
         right.plot(_PERIODS, _spectrum(time, motion), color=COLOURS[number], linestyle=style, label=words)
         if len(shown) > 1:
-            left.set_title(words, loc="left", fontsize=8.0, pad=2.0)
+            trace_title(left, words, width * (0.6 if width >= PAIR else 1.0))
     left.set_xlabel("time [s]")
     ends = [float(time[np.flatnonzero(np.nan_to_num(motion.horizontal))[-1]]) for motion in shown]
     left.set_xlim(0.0, min(1.05 * max(ends), float(time[-1])))
