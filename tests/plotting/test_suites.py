@@ -306,6 +306,24 @@ def test_spectrum_of_overturning_amplitudes():
     np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
 
 
+@pytest.mark.parametrize("floors", [False, True])
+def test_what_a_search_goes_along_has_its_symbol_in_every_figure(floors):
+    """The figure of its fragility had the name of a variable, `motion_record_pga`; with floors it is the ground's."""
+    values = (np.sin(np.linspace(0.0, 6.0 * np.pi, 200)) * np.linspace(1.0, 0.1, 200)).tolist()
+    record = {"values": values, "dt": 0.01, "units": "g"}
+    vary = {
+        "motion.record": {"one": record, "two": record | {"dt": 0.014}, "three": record | {"dt": 0.02}},
+        "motion.record.pga": {"from": "0.1*g", "to": "6*g", "n": 30, "find": "overturning"},
+        "block.R": [0.5, 1.0, 2.0],
+    }
+    through = {"through": [{"T": 0.2, "zeta": 0.05}]} if floors else {}
+    case = {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"record": record, **through}}
+    dataset = rockcli.run({"case": case, "vary": vary, "over": "record"})
+    symbol = "PGA of the ground [g]" if floors else "PGA [g]"
+    assert figures.figure("fragility", dataset).axes[-1].get_xlabel().replace("\n", " ") == symbol
+    assert figures.figure("spectrum", dataset).axes[0].get_ylabel() == f"lowest overturning {symbol}"
+
+
 def test_a_bar_at_the_end_of_a_spectrum_is_seen_and_words_are_of_what_is():
     """It lay on the line of the axis, behind the curve of the largest value; words spoke of bars where there is none."""
 

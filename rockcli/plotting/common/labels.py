@@ -103,11 +103,21 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
     return axis_symbol(dataset, axis) + whose(dataset, axis) + unit_in_brackets(shown_unit(dataset, axis)[1])
 
 
+def searched_symbol(dataset: xarray.Dataset, name: str) -> str:
+    """Symbol of what a search goes along (`find: overturning`), which has no axis but a name as `motion_record_pga`."""
+    key = name.rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
+    of_record = name == f"motion_record_{key}"
+    return (symbol_of(key) or key.replace("_", " ")) + (_of_the_ground(dataset, key) if of_record else "")
+
+
 def whose(dataset: xarray.Dataset, axis: str) -> str:
     """Of a peak of the ground, that it is the ground's, where floors stand between; else ""."""
-    peaks = tuple(f"motion.record.{key}" for key in ("pga", "pgv", "sa"))
-    below = path_of(dataset, axis) in peaks and has_floors(dataset)
-    return " of the ground" if below else ""
+    record, _, key = path_of(dataset, axis).rpartition(".")
+    return _of_the_ground(dataset, key) if record == "motion.record" else ""
+
+
+def _of_the_ground(dataset: xarray.Dataset, key: str) -> str:
+    return " of the ground" if key in ("pga", "pgv", "sa") and has_floors(dataset) else ""
 
 
 def has_floors(dataset: xarray.Dataset) -> bool:

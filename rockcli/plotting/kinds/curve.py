@@ -70,7 +70,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     shown, total = pick(dataset, MOST_CURVES, others)
     x = axis_values(dataset, axis)
     name = quantity(dataset)
-    divisor, unit = shown_unit(dataset, name)
+    divisor = shown_unit(dataset, name)[0]
     curves = [np.asarray(dataset[name].isel(case.place).values, dtype=float) / divisor for case in shown]
     missing = [without_value(dataset, case.place, y) for case, y in zip(shown, curves, strict=True)]
     rows = [row for row in STRIP if any(row in found for found in missing)]
@@ -93,7 +93,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     axes.set_ylim(0.0, top)
     scale_axes(axes, is_log(x))
     axes.set_xlabel(axis_label(dataset, axis))
-    axes.set_ylabel(variable_label(PEAK) if name == PEAK else found_label(name, unit))
+    axes.set_ylabel(variable_label(PEAK) if name == PEAK else found_label(dataset, name))
     if rows:
         _strip(grid[0], x, rows, missing)
     notes = [selection_note(len(shown), total, "curves"), _islands(dataset, name)]

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockcli.plotting.common.cases import Array
-from rockcli.plotting.common.labels import axis_label, axis_symbol, axis_values, shown_unit, title_of, unit_in_brackets
+from rockcli.plotting.common.labels import (
+    axis_label,
+    axis_symbol,
+    axis_values,
+    searched_symbol,
+    shown_unit,
+    title_of,
+    unit_in_brackets,
+)
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -27,6 +35,7 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import Suite, left_out_words, members_word, panels, suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.scene.limit_states import OVERTURNED
+from rockcli.scene.thresholds import FOUND
 from rockcli.scene.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -141,7 +150,8 @@ def intensity_label(dataset: xarray.Dataset, suite: Suite) -> str:
     name = suite.told_against
     if name in dataset.dims:
         return axis_label(dataset, name)
-    return intensity_symbol(name) + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
+    symbol = searched_symbol(dataset, name) if f"{name}{FOUND}" in dataset.variables else intensity_symbol(name)
+    return symbol + unit_in_brackets(shown_unit(dataset, "fragility_median")[1])
 
 
 def second_symbol(dataset: xarray.Dataset) -> str:

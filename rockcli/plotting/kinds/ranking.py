@@ -201,8 +201,8 @@ def _read(dataset: xarray.Dataset, axis: str, shown: list[Shown]) -> tuple[list[
         share = _Panel("share that overturns", table(SHARE), (table(f"{SHARE}_low"), table(f"{SHARE}_high")))
         more = [_Panel(f"median {variable_label(PEAK)}", table(MEDIAN))] if MEDIAN in dataset.variables else []
         return [share, *more], {"no answer": np.isnan(share.values)}
-    divisor, unit = shown_unit(dataset, name)
-    panel = _Panel(variable_label(PEAK) if name == PEAK else found_label(name, unit), table(name, divisor))
+    divisor = shown_unit(dataset, name)[0]
+    panel = _Panel(variable_label(PEAK) if name == PEAK else found_label(dataset, name), table(name, divisor))
     found = [without_value(dataset, case.place, y) for case, y in zip(shown, panel.values.T, strict=True)]
     none = np.zeros(len(panel.values), dtype=bool)
     reasons = {row: np.column_stack([each.get(row, none) for each in found]) for row in STRIP}

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.cases import Array, axes_of, is_numeric, isolated, pick, selection_note, thresholds_in
-from rockcli.plotting.common.labels import shown_unit, symbol_of, title_of, unit_in_brackets, variable_label
+from rockcli.plotting.common.labels import searched_symbol, shown_unit, title_of, unit_in_brackets, variable_label
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
@@ -105,18 +105,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
 def _rows(dataset: xarray.Dataset) -> list[Row]:
     """Peaks that were saved; what a search found (`find: overturning`), which has no peaks."""
     sought = [str(name) for name in dataset.data_vars if str(name).endswith(FOUND)]
-    found = []
-    for name in sought:
-        divisor, unit = shown_unit(dataset, name)
-        found.append(Row(name, found_label(name, unit), unit=divisor))
+    found = [Row(name, found_label(dataset, name), unit=shown_unit(dataset, name)[0]) for name in sought]
     return [*(row for row in _ROWS if row.name in dataset.variables), *found]
 
 
-def found_label(name: str, unit: str) -> str:
+def found_label(dataset: xarray.Dataset, name: str) -> str:
     """Label of the lowest value of a range at which a case overturns."""
-    words = name.removesuffix(FOUND).rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
-    symbol = symbol_of(words) or words.replace("_", " ")
-    return f"lowest overturning {symbol}{unit_in_brackets(unit)}"
+    unit = shown_unit(dataset, name)[1]
+    return f"lowest overturning {searched_symbol(dataset, name.removesuffix(FOUND))}{unit_in_brackets(unit)}"
 
 
 def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -> Figure:
