@@ -306,6 +306,18 @@ def test_spectrum_of_overturning_amplitudes():
     np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
 
 
+def test_ida_of_bodies_that_slide_on_for_ever():
+    """No friction stops them: all slides are infinite, and the figure ended in an error of the program."""
+    pulse = {"shape": "half_sine", "a_p": 1.0, "omega_p": 6.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2, "mu": 0}, "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.omega_p": [3.0, 6.0], "motion.pulse.a_p": [1.0, 2.0, 3.0]}
+    dataset = rockcli.run({"case": case, "vary": vary, "over": "omega_p"})
+    assert np.isposinf(dataset["slide_peak"].values).all()
+    (axes,) = figures.figure("ida", dataset).axes
+    assert all(np.min(line.get_xdata()) > axes.get_xlim()[1] for line in axes.lines)
+    assert axes.figure.get_label().endswith("what slides on for ever leaves to the right")
+
+
 @pytest.mark.parametrize("floors", [False, True])
 def test_what_a_search_goes_along_has_its_symbol_in_every_figure(floors):
     """The figure of its fragility had the name of a variable, `motion_record_pga`; with floors it is the ground's."""

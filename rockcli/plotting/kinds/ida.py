@@ -138,8 +138,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if lifts:
         words.append(Line2D([], [], label=uplift_label(dataset), **LIFTS))
     legend_below(figure, words)
-    said = "overturned cases leave to the right" if peak == PEAK else "nothing rocks: displacements along the ground"
-    note = "; ".join(filter(None, [left_out_words(dataset, suite, shown), some, said]))
+    said = ["overturned cases leave to the right"]
+    if peak == SLIDE:
+        endless = bool(np.isposinf(dataset[SLIDE].values).any())
+        said = ["nothing rocks: displacements along the ground"]
+        said += ["what slides on for ever leaves to the right"] * endless
+    note = "; ".join(filter(None, [left_out_words(dataset, suite, shown), some, *said]))
     headline(figure, title_of(dataset), note)
     fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
     return figure
@@ -213,7 +217,7 @@ def _right(dataset: xarray.Dataset, peak: str) -> float:
     peaks = dataset[peak].values
     finite = peaks[np.isfinite(peaks)]
     if peak == SLIDE:
-        return float(1.06 * finite.max())
+        return float(1.06 * finite.max(initial=0.0)) or 1.0
     return float(np.clip(1.06 * finite.max(initial=0.0), 1.1, 1.8))
 
 
