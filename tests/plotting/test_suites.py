@@ -306,6 +306,24 @@ def test_spectrum_of_overturning_amplitudes():
     np.testing.assert_allclose(axes.lines[0].get_ydata(), dataset["motion_pulse_a_p_overturning"].values[0] / G)
 
 
+def test_bars_of_several_curves_of_a_spectrum_are_all_seen():
+    """They lay on one another, so that of bodies that overturn the last alone was seen to."""
+    pulse = {"shape": "sine", "a_p_over_g_tan_alpha": 3.0, "omega_p_over_p": 6.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.omega_p_over_p": [1.0, 2.0, 3.0, 8.0], "block.R": [1.0, 2.0, 4.0, 8.0]}
+    dataset = rockcli.run({"case": case, "vary": vary, "save": {"histories": False}})
+    fell = np.isposinf(dataset["theta_peak_over_alpha"].values).all(axis=1)
+    assert fell.tolist() == [True, True, True, False]
+    for axes in figures.figure("spectrum", dataset).axes:
+        heights = [np.asarray(line.get_ydata())[0] for line in axes.lines if line.get_marker() == "|"]
+        heights = [height for height in heights if np.isfinite(height)]
+        assert len(set(np.round(heights, 6))) == 3
+        assert max(heights) < axes.get_ylim()[1]
+        lines = [line for line in axes.lines if not line.get_label().startswith("_")]
+        assert len({str(line._dash_pattern) for line in lines}) == 4
+        assert np.nanmax(lines[-1].get_ydata()) < min(heights)
+
+
 def test_ida_of_bodies_that_slide_on_for_ever():
     """No friction stops them: all slides are infinite, and the figure ended in an error of the program."""
     pulse = {"shape": "half_sine", "a_p": 1.0, "omega_p": 6.0}

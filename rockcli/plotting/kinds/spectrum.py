@@ -17,6 +17,7 @@ from rockcli.plotting.common.labels import searched_symbol, shown_unit, title_of
 from rockcli.plotting.common.style import (
     COLOURS,
     DOUBLE,
+    LINES,
     MOST_COLUMNS,
     MOST_CURVES,
     QUIET,
@@ -44,6 +45,9 @@ _FEWEST_SIZES = 3
 
 _BESIDE = 0.02
 """Share of the axis that is left free at either end."""
+
+_BAR, _BAR_OF_MEMBERS, _APART = 0.97, 0.93, 0.04
+"""Heights of bars over the top of the axis, and between those of curves."""
 
 _MEMBERS = 1
 """Where the members of a suite lie, below its percentiles."""
@@ -126,9 +130,13 @@ def _of_cases(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         for case in shown:
             curves.append(_values(dataset.isel(case.place), row, row.name)[order])
         top = _top(row, curves)
+        fallen = sum(bool(np.isposinf(curve).any()) for curve in curves)
+        whole = top * (1.0 + _APART * max(fallen - 1, 0))  # bars of several lay on one another
+        bars = iter(whole - top * (1.0 - _BAR + _APART * np.arange(fallen)))
         for number, (case, curve) in enumerate(zip(shown, curves, strict=True)):
-            _run(axes, period[order], curve, top, color=COLOURS[number], label=case.label)
-        _finish(axes, row, top)
+            style = {"color": COLOURS[number], "linestyle": LINES[number % len(LINES)], "label": case.label}
+            _run(axes, period[order], curve, next(bars) if np.isposinf(curve).any() else top, **style)
+        _finish(axes, row, whole)
         axes.set_ylabel(row.label)
     _periods(grid[-1], period[order])
     note = "; ".join(filter(None, [selection_note(len(shown), total, "curves"), _leaving(dataset, rows)]))
@@ -156,14 +164,14 @@ def _of_suite(dataset: xarray.Dataset, axis: str, period: Array, order: Order) -
         top = _top(row, members, high)
         for axes, part, curves in zip(line, parts, members, strict=True):
             for curve in curves:
-                _run(axes, period[order], curve, top, color=MEMBER, linewidth=0.7, zorder=_MEMBERS)
+                _run(axes, period[order], curve, _BAR_OF_MEMBERS * top, color=MEMBER, linewidth=0.7, zorder=_MEMBERS)
             for end, line_of, _ in _prescreens(part, row):
                 curve = _values(part, row, f"{row.name}{end}_p50")[order]
                 axes.plot(period[order], curve, color=COLOURS[1], linewidth=1.0, linestyle=line_of, zorder=2)
                 seen |= {end} if (curve < top).any() else set()
             for end, _, dashes in fractiles_of(len(curves)):
                 curve = _values(part, row, f"{row.name}_{end}")[order]
-                _run(axes, period[order], curve, top, color=BOLD, linewidth=1.6, zorder=3, dashes=dashes)
+                _run(axes, period[order], curve, _BAR * top, color=BOLD, linewidth=1.6, zorder=3, dashes=dashes)
             _finish(axes, row, top)
         line[0].set_ylabel(row.label)
     for axes, case in zip(grid[0], shown, strict=True):
@@ -229,8 +237,8 @@ def _largest(curves: list[Array]) -> float:
     return max(float(np.max(curve, where=np.isfinite(curve), initial=0.0)) for curve in curves)
 
 
-def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...] = (), **style: Any) -> None:
-    """One curve; what has no answer leaves a gap, what overturned, too, under a bar at the top."""
+def _run(axes: Axes, x: Array, y: Array, bar: float, *, dashes: tuple[float, ...] = (), **style: Any) -> None:
+    """One curve; what has no answer leaves a gap, what overturned, too, under a bar at the height `bar`."""
     (line,) = axes.plot(x, np.where(np.isposinf(y), np.nan, y), **style)
     if dashes:
         line.set_dashes(dashes)
@@ -238,9 +246,9 @@ def _run(axes: Axes, x: Array, y: Array, top: float, *, dashes: tuple[float, ...
         dot: dict[str, Any] = {"markersize": style.get("linewidth", 1.0) + 0.6, "markeredgewidth": 0.0}
         axes.plot(x[alone], y[alone], "o", color=style["color"], zorder=style.get("zorder", 3), **dot)
     member = style.get("zorder") == _MEMBERS  # below those of the median, and thinner
-    bar: dict[str, Any] = {"linewidth": 0.8 if member else 2.0, "marker": "|", "markersize": 3.0 if member else 4.5}
-    height = np.where(np.isposinf(y), (0.93 if member else 0.97) * top, np.nan)
-    axes.plot(x, height, color=style["color"], zorder=style.get("zorder", 3), **bar)
+    look: dict[str, Any] = {"linewidth": 0.8 if member else 2.0, "marker": "|", "markersize": 3.0 if member else 4.5}
+    height = np.where(np.isposinf(y), bar, np.nan)
+    axes.plot(x, height, color=style["color"], zorder=style.get("zorder", 3), **look)
 
 
 def _finish(axes: Axes, row: Row, top: float) -> None:
