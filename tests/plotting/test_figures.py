@@ -263,6 +263,20 @@ def test_what_a_search_found_is_a_curve() -> None:
     assert [label.get_text() for label in strip.get_yticklabels()] == ["none in range"]
 
 
+@pytest.mark.parametrize(("values", "limits"), [([1e-3, 5e-3], (0.0, 5.6e-3)), ([-3.0, 2.0], (-3.36, 2.24))])
+def test_the_axis_of_a_curve_is_that_of_its_values(values, limits) -> None:
+    """Small values lay on a line at the bottom of an axis to 0.11; negative ones, of a search, were left out."""
+    axis = ("b", np.array([1.0, 2.0]), {"path": "block.b", "units": "m", "long_name": "b"})
+    name = "motion_pulse_a_p_over_g_tan_alpha_overturning"
+    dataset = xarray.Dataset({name: ("b", np.array(values))}, {"b": axis}, {"axes": "b", "title": "t"})
+    (axes,) = figures.figure("curve", dataset).axes
+    np.testing.assert_allclose(axes.get_ylim(), limits)
+    bodies = ("body", np.array(["one", "two"], dtype=object), {"path": "block", "long_name": "body"})
+    by_name = xarray.Dataset({name: ("body", np.array(values))}, {"body": bodies}, {"axes": "body", "title": "t"})
+    (axes,) = figures.figure("ranking", by_name).axes
+    np.testing.assert_allclose(axes.get_xlim(), np.array(limits) * 1.05 / 1.12)
+
+
 def test_a_search_that_found_nothing_is_drawn_on_a_logarithmic_axis_too() -> None:
     """Warnings are errors here."""
     pulse = {"shape": "half_sine", "omega_p_over_p": 1, "a_p_over_g_tan_alpha": 1}

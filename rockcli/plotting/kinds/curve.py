@@ -87,10 +87,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
         alone = isolated(y) if not marker else np.zeros(0, dtype=int)
         axes.plot(x[alone], y[alone], "o", color=COLOURS[number], markersize=1.4, markeredgewidth=0.0)
     finite = np.concatenate([y[np.isfinite(y)] for y in curves])
-    top = 1.12 * max(float(finite.max(initial=0.0)), 0.1)
+    low, top = 1.12 * float(finite.min(initial=0.0)), 1.12 * float(finite.max(initial=0.0))
     if top > 1.0 and name == PEAK:
         axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
-    axes.set_ylim(0.0, top)
+    axes.set_ylim(low, top if top > low else 0.1)
     scale_axes(axes, is_log(x))
     axes.set_xlabel(axis_label(dataset, axis))
     axes.set_ylabel(variable_label(PEAK) if name == PEAK else found_label(dataset, name))

@@ -258,8 +258,9 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: list[Shown]) -> None:
         }
         axes.plot(x, y, MARKERS[number], color=colour, label=case.label, **style)
     values = panel.values if panel.limits is None else np.stack([panel.values, *panel.limits])
-    top = float(np.max(values, where=np.isfinite(values), initial=0.0)) or 1.0
-    axes.set_xlim(0.0, 1.05 * top)
+    finite = values[np.isfinite(values)]
+    left, right = 1.05 * float(finite.min(initial=0.0)), 1.05 * float(finite.max(initial=0.0))
+    axes.set_xlim(left, right if right > left else 1.0)
     axes.set_xlabel(panel.label)
     axes.grid(axis="y", color=QUIET, linewidth=0.3, alpha=0.5)
     axes.tick_params(axis="y", length=0.0)
