@@ -70,6 +70,35 @@ def test_the_lines_are_the_closed_forms_over_g_tan_alpha() -> None:
         assert off < 2e-3
 
 
+@pytest.mark.parametrize(
+    ("amplitudes", "signs", "named"),
+    [
+        ((-12.0, 12.0), [1.0, -1.0], True),
+        ((-12.0, -2.0), [-1.0], True),
+        ((-0.5, 0.5), [], False),
+        ((900, 999), [], False),
+    ],
+)
+def test_pulses_turned_round_have_their_lines_and_legends_name_those_in_the_map(
+    amplitudes: tuple[float, float], signs: list[float], *, named: bool
+) -> None:
+    """Lines were of positive amplitudes alone, and named where none of them is in the map."""
+    low, high = amplitudes
+    vary = VARY | {"motion.pulse.a_p_over_g_tan_alpha": {"from": low, "to": high, "n": 9}}
+    figure = figures.figure("map", rockcli.run({"case": CASE, "vary": vary, "save": {"histories": False}}))
+    axes = figure.axes[0]
+    assert drawn(axes) == (len(signs), len(signs))
+    for line, sign in zip(lines(axes), signs, strict=True):
+        x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+        np.testing.assert_allclose(sign * y * np.tan(0.3) / 0.3, sine_without_impact(x), rtol=1e-12)
+    lifts = [float(line.get_ydata()[0]) for line in axes.lines if line.get_gid() == outcomes.UPLIFT]
+    np.testing.assert_allclose(
+        lifts, [s * 0.3 / np.tan(0.3) for s in (1.0, -1.0) if low < s * 0.3 / np.tan(0.3) < high]
+    )
+    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert any("closed form" in word for word in words) == named
+
+
 def test_maps_of_several_datasets_have_the_lines_of_each() -> None:
     half, floor = pulse(shape="half_sine"), CASE["motion"] | {"through": [{"T": 0.4, "zeta": 0.05}]}
     maps = [mapped(), mapped(half), mapped({"block": {"R": 1, "alpha": 0.6}}), mapped({"motion": floor})]

@@ -65,21 +65,31 @@ def draw_boundaries(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str])
     Omega = spaced(max(limits[0][0], _SLOWEST * limits[0][1]), limits[0][1], _DRAWN_AT)  # a cell may reach beyond 0
     highest = _WITHOUT_IMPACT[shape](Omega)
     look: dict[str, Any] = {"zorder": 4, "path_effects": [withStroke(linewidth=2.6, foreground="white")]}
-    x, y = Omega, highest * per_g_tan_alpha
-    axes.plot(x, y, color="black", linewidth=_WIDTH, linestyle=_STYLES[without], **look)
-    drawn = [without]
-    if shape == "sine":  # one impact needs less; the band ends close to both 1 and the line above
+    drawn = []
+    for scale in (per_g_tan_alpha, -per_g_tan_alpha):  # of pulses turned round, too
+        if _within(highest * scale, limits[1]):
+            axes.plot(Omega, highest * scale, color="black", linewidth=_WIDTH, linestyle=_STYLES[without], **look)
+            drawn.append(without)
+        # one impact needs less; the band ends close to both 1 and the line above
         between = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _DRAWN_AT)[1:-1])
         A = 1.0 + (highest - 1.0) * between[:, None]
+        if shape != "sine" or not _within(A * scale, limits[1]):
+            continue
         excess = sine_one_impact(A, Omega, eta)
         if np.nanmax(excess, initial=-1.0) > 0.0:
             X = np.broadcast_to(Omega, A.shape)
             how: dict[str, Any] = {"colors": "black", "linewidths": _WIDTH, "linestyles": [_STYLES[after]]}
-            axes.contour(X, A * per_g_tan_alpha, excess, levels=[0.0], zorder=4, **how).set(**look)
-            drawn.append(after)
+            line = axes.contour(X, A * scale, excess, levels=[0.0], zorder=4, **how)
+            line.set(**look)
+            drawn += [after] * any(_within(np.asarray(path.vertices)[:, 1], limits[1]) for path in line.get_paths())
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
     return tuple(drawn)
+
+
+def _within(heights: Any, limits: tuple[float, float]) -> bool:
+    """Whether any of a line is between the limits of an axis."""
+    return bool(np.any((heights > limits[0]) & (heights < limits[1])))
 
 
 def boundary_handles(drawn: set[str]) -> list[Line2D]:

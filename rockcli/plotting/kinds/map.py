@@ -197,6 +197,8 @@ def _uplift(axes: Axes, dataset: xarray.Dataset, found: tuple[str, str]) -> bool
         levels = [np.broadcast_to(shown, dataset.sizes[x])]
     else:
         return False
+    if not two_edged(dataset):  # pulses turned round lift it to the other side
+        levels += [-level for level in levels]
     low, high = axes.get_ylim()
     levels = [level for level in levels if ((level > low) & (level < high)).any()]
     at = axis_values(dataset, x)
