@@ -263,6 +263,22 @@ def test_what_a_search_found_is_a_curve() -> None:
     assert [label.get_text() for label in strip.get_yticklabels()] == ["none in range"]
 
 
+def test_curves_of_a_refined_map_tell_what_was_not_solved() -> None:
+    """What was filled in has an outcome and no peak: it was marked `no answer`, whether it overturns or not."""
+    pulse = {"shape": "sine", "omega_p_over_p": 2.0, "a_p_over_g_tan_alpha": 2.0}
+    vary = {f"motion.pulse.{key}": {"from": 0.5, "to": 10.0, "n": 160} for key in pulse if key != "shape"}
+    case = {"block": {"R": 1, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    dataset = rockcli.run({"case": case, "vary": vary, "refine": True})
+    strip, _ = figures.figure("curve", dataset.isel(a_p_over_g_tan_alpha=[50])).axes
+    assert [label.get_text() for label in strip.get_yticklabels()] == ["not solved", "overturned"]
+    marked = [np.sort(line.get_xdata()) for line in strip.lines if line.get_marker() != "None"]
+    row = dataset.isel(a_p_over_g_tan_alpha=50)
+    x, fell = row["omega_p_over_p"].values, row["outcome"].values >= 2
+    np.testing.assert_array_equal(marked[1], x[fell])
+    np.testing.assert_array_equal(marked[0], x[~fell & (row["solved"].values == 0)])
+    assert len(marked[0]) > 10
+
+
 @pytest.mark.parametrize(("values", "limits"), [([1e-3, 5e-3], (0.0, 5.6e-3)), ([-3.0, 2.0], (-3.36, 2.24))])
 def test_the_axis_of_a_curve_is_that_of_its_values(values, limits) -> None:
     """Small values lay on a line at the bottom of an axis to 0.11; negative ones, of a search, were left out."""

@@ -24,7 +24,7 @@ from rockcli.plotting.common.style import (
 from rockcli.plotting.common.suite import suite_of
 from rockcli.plotting.kinds.map import is_log, scale_axes
 from rockcli.plotting.kinds.spectrum import found_label
-from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED
+from rockcli.scene.response import FAILED, SLIDING, UNRESOLVED, overturned
 from rockcli.scene.thresholds import BELOW, BRACKETED, FOUND, NONE
 from rockcli.scene.variables import PEAK
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STRIP = ("failed", "unresolved", "no answer", "below range", "sliding", "overturned", "none in range")
+STRIP = ("failed", "unresolved", "no answer", "not solved", "below range", "sliding", "overturned", "none in range")
 """What has no value, or slides and has none but 0, from the bottom of the strip upwards."""
 
 
@@ -113,6 +113,10 @@ def without_value(dataset: xarray.Dataset, place: dict[str, int], peaks: Array) 
         flags = dataset["outcome"].isel(place).values
         found |= {"failed": flags == FAILED, "unresolved": flags == UNRESOLVED, "sliding": flags == SLIDING}
         found["no answer"] &= ~found["failed"] & ~found["unresolved"]
+        if "solved" in dataset.variables:  # a refined map knows what became of the others, and not how far they turned
+            filled = dataset["solved"].isel(place).values == 0
+            found |= {"overturned": overturned(flags), "not solved": filled & found["no answer"] & ~overturned(flags)}
+            found["no answer"] &= ~filled
     return {name: where for name, where in found.items() if where.any()}
 
 
