@@ -279,6 +279,22 @@ def test_curves_of_a_refined_map_tell_what_was_not_solved() -> None:
     assert len(marked[0]) > 10
 
 
+@pytest.mark.parametrize(
+    ("ends", "words"),
+    [((3e8, 3e10), ["$10^{9}$", "$10^{10}$"]), ((2e9, 6e9), [r"$2\times10^{9}$", r"$5\times10^{9}$"]),
+     ((0.3, 30.0), ["0.5", "1", "2", "5", "10", "20"])],
+)  # fmt: skip
+def test_logarithmic_axes_have_powers_of_ten_as_legends_have(ends, words) -> None:
+    """They had 5e+08, and in a column of a journal these ran into one another."""
+    values = np.geomspace(*ends, 5)
+    axis = ("E", values, {"path": "column.E", "units": "Pa", "long_name": "E"})
+    dataset = xarray.Dataset({"theta_peak_over_alpha": ("E", np.arange(5.0))}, {"E": axis}, {"axes": "E", "title": "t"})
+    (axes,) = figures.figure("curve", dataset).axes
+    low, high = axes.get_xlim()
+    ticks = zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+    assert [label.get_text() for at, label in ticks if low <= at <= high] == words
+
+
 @pytest.mark.parametrize(("values", "limits"), [([1e-3, 5e-3], (0.0, 5.6e-3)), ([-3.0, 2.0], (-3.36, 2.24))])
 def test_the_axis_of_a_curve_is_that_of_its_values(values, limits) -> None:
     """Small values lay on a line at the bottom of an axis to 0.11; negative ones, of a search, were left out."""

@@ -23,6 +23,7 @@ from rockcli.plotting.common.labels import (
     has_floors,
     lifts_from,
     lifts_word,
+    number_words,
     path_of,
     shown_unit,
     title_of,
@@ -245,14 +246,15 @@ def is_log(values: Array) -> bool:
 
 
 def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
-    """Logarithmic axes with plain numbers on them."""
-    plain: Any = FuncFormatter(lambda value, _: f"{value:g}")
+    """Logarithmic axes with plain numbers on them, or powers of ten."""
+    plain: Any = FuncFormatter(lambda value, _: number_words(value))
     for log, axis, set_scale in ((x_log, axes.xaxis, axes.set_xscale), (y_log, axes.yaxis, axes.set_yscale)):
         if log:
             set_scale("log")
             low, high = axis.get_data_interval()
             decades = np.log10(high / low) if low < high else 0.0  # where nothing is drawn low is inf
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)))
+            short = decades < 1.0 or not any("times" in number_words(5.0 * end) for end in (low, high))
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 and short else (1.0,)))
             axis.set_major_formatter(plain)
             axis.set_minor_formatter(NullFormatter())
 
