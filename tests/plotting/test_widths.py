@@ -389,3 +389,13 @@ def test_names_of_traces_stay_above_their_panels(kind, width):
     figure = rockcli.plot(data, kind, width=width)
     figure.draw_without_rendering()
     check_words(figure)
+
+
+@pytest.mark.parametrize(("R", "tan_alpha"), [(2.0, 0.01), (0.03, 0.1), (0.03, 0.05), (20.0, 0.05)])
+@pytest.mark.parametrize("width", [None, 180])
+def test_numbers_below_a_slender_body_stay_off_one_another(R, tan_alpha, width, tmp_path):
+    case = {"block": {"R": R, "tan_alpha": tan_alpha}, "initial": {"theta": "0.1*alpha"}}
+    data = rockcli.run({"name": "one", "case": case, "save": {"histories": False}})
+    figure = rockcli.plot(data, "body", tmp_path / "body.png", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)

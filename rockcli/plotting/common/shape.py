@@ -28,7 +28,7 @@ _SECTIONS = 25
 _LIES = 1.4
 """Last rotation of a body that overturned beyond which it is drawn on the ground [rad]."""
 
-_NARROWEST = 0.6
+NARROWEST = 0.6
 """Width over height from which the numbers along the axis of a slender body do not touch."""
 
 _NUMBER = re.compile(r"[0-9.]+(?:e[-+]?[0-9]+)?")
@@ -134,10 +134,10 @@ def path_of(points: Array) -> Path:
     return Path.make_compound_path(*(Path(np.vstack([piece, piece[:1]]), closed=True) for piece in pieces))
 
 
-def with_room_beside(axes: Axes) -> None:
+def with_room_beside(axes: Axes, narrowest: float = NARROWEST) -> None:
     """Make a panel of a slender body, equal in both directions, wide enough for the numbers of its axis."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    missing = max(_NARROWEST * (high - low) - (right - left), 0.0)
+    missing = max(narrowest * (high - low) - (right - left), 0.0)
     axes.set_xlim(left - 0.5 * missing, right + 0.5 * missing)
 
 

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from rockcli.plotting.common.cases import axes_of, group_label, selection_note, spread
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import edges
-from rockcli.plotting.common.shape import body_of, outline, outline_at, path_of, with_room_beside
+from rockcli.plotting.common.shape import NARROWEST, body_of, outline, outline_at, path_of, with_room_beside
 from rockcli.plotting.common.style import (
     BODY_EDGE,
     BODY_FACE,
@@ -45,6 +45,9 @@ _ONE_LINE = 2.2
 
 _BESIDE = 0.04
 """Part of the width left free beside words that stand beside a body."""
+
+_SLIMMEST = 0.3
+"""Width over height of the panel of a body with words beside it, which is higher than others, for the same."""
 
 _MORE_LINES = 0.35
 """What alpha and R on lines of their own take [in]."""
@@ -163,9 +166,8 @@ def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, bes
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     axes.set_xlim(min(low[0], -body.left) - 0.08 * size, max(high[0], body.right) + 0.08 * size)
     axes.set_ylim(min(low[1], 0.0) - 0.03 * size, high[1] + 0.05 * size)
-    if not beside:
-        with_room_beside(axes)
-    if narrow:
+    with_room_beside(axes, _SLIMMEST if beside else NARROWEST)
+    if narrow or beside:
         axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_aspect("equal")
     axes.set_xlabel("$x$ [m]" if narrow else "$x$ from the centre of mass [m]", labelpad=1.0)
