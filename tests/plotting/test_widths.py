@@ -71,6 +71,7 @@ def words(figure: Figure) -> list[Text]:
     found = [figure._suptitle, *(text for legend in figure.legends for text in legend.get_texts())]
     for axes in figure.axes:
         found += [axes.title, axes._left_title, *axes.texts]
+        found += axes.get_legend().get_texts() if axes.get_legend() else []
         for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
             low, high = sorted(axis.get_view_interval())
             room = 1e-9 * (high - low)
@@ -399,3 +400,15 @@ def test_numbers_below_a_slender_body_stay_off_one_another(R, tan_alpha, width, 
     figure = rockcli.plot(data, "body", tmp_path / "body.png", width=width)
     figure.draw_without_rendering()
     check_words(figure)
+
+
+@pytest.mark.parametrize("width", [60, 90, 180])
+def test_static_curves_of_several_bodies_name_corners_below_the_panels(width):
+    """Words in each of three panels beside one another lay over numbers along the axis, and over the curves."""
+    case = {"block": {"R": 5.0, "tan_alpha": 0.3}, "model": 2}
+    study = {"case": case, "vary": {"block.tan_alpha": [0.1, 0.2, 0.4]}, "curves": ["pushover", "displacements"]}
+    figure = rockcli.plot(rockcli.run(study), "curves", width=width)
+    figure.draw_without_rendering()
+    check_words(figure)
+    assert not [axes for axes in figure.axes if axes.get_legend()]
+    assert "block, pivot-side corner" in [text.get_text() for text in figure.legends[0].get_texts()]

@@ -153,6 +153,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         squeeze=False,
         height_ratios=[1.0, 0.42] * down,
     )
+    written = _corners(panels) == "some" and not beside  # panels beside one another have no room for it
     for row in range(down):
         for column in range(across):
             pair = (grid[2 * row, column], grid[2 * row + 1, column])
@@ -162,7 +163,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
                     axes.set_axis_off()
                 continue
             case = columns[column if beside else 0]
-            _pair(pair, dataset, panels[number], case.position, lines, mixed=_corners(panels) == "some")
+            _pair(pair, dataset, panels[number], case.position, lines, named=written)
             if row == 0 and beside:
                 panel_title(pair[0], case.label, width / across, fontsize=9.0)
             if column == 0 or not beside:
@@ -174,7 +175,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     figure.align_ylabels()
     notes = (selection_note(len(columns), total, "columns"), selection_note(len(lines), len(found), "models"))
     headline(figure, title_of(dataset), "; ".join(note for note in notes if note))
-    _legend(figure, dataset, panels, lines, as_block, columns=1 if across == 1 else 3)
+    _legend(figure, dataset, panels, lines, as_block, columns=1 if across == 1 else 3, named=written)
     return figure
 
 
@@ -254,9 +255,9 @@ def _pair(
     column: Position,
     lines: list[_Line],
     *,
-    mixed: bool,
+    named: bool,
 ) -> None:
-    """A panel of curves and, below it, of their errors; where not all panels have corners, `mixed`, these name them."""
+    """A panel of curves and, below it, of their errors; `named`: which corner a line is of is written in its panel."""
     curve, error = pair
     ratio = np.asarray(dataset["theta_over_alpha"].values, dtype=float)
     here = _at(column, lines[0].position) if lines else column
@@ -267,7 +268,7 @@ def _pair(
     if panel.beside:
         other = values_at(dataset, panel.beside, here) / scale
         pivot_side = curve.plot(ratio, other, **_PIVOT_SIDE)
-        if mixed:
+        if named:
             curve.legend([*free, *pivot_side], ["free corner", "pivot-side corner"], loc="best", fontsize=7.0)
     for number, line in enumerate(lines):
         spot = _at(column, line.position)
@@ -299,15 +300,16 @@ def _legend(
     lines: list[_Line],
     as_block: list[tuple[str, ...]],
     columns: int,
+    *,
+    named: bool,
 ) -> None:
-    corners = _corners(panels) == "all"
-    block = "block, free corner" if corners else "block"
+    block = "block, free corner" if _corners(panels) == "all" else "block"
     if panels[0].model == "energy_ratio":
         block = r"impacts with Housner's $\eta$"
     if as_block:
         block += " = " + (words_of(as_block) or _only_model(dataset, panels))
     handles = [Line2D([], [], **_BLOCK, label=block)]
-    if corners:
+    if _corners(panels) != "none" and not named:
         handles.append(Line2D([], [], **_PIVOT_SIDE, label="block, pivot-side corner"))
     for number, line in enumerate(lines):
         label = words_of(line.names) or _only_model(dataset, panels)
