@@ -198,3 +198,36 @@ def test_few_bodies_with_many_alternatives_have_room_for_both(width):
     check_words(figure)
     row = figure.axes[0].get_window_extent().height / figure.dpi / 2.4
     assert 0.15 < row < 0.16
+
+
+@pytest.mark.parametrize("width", [90, 130])
+def test_marks_of_alternatives_at_the_side_are_all_seen(width):
+    """Eight in a column of .17 in lay on one another."""
+    pulses = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]
+    figure = rockcli.plot(
+        rockcli.run(study(vary=study()["vary"] | {"motion.pulse.a_p": pulses})), "ranking", width=width
+    )
+    figure.draw_without_rendering()
+    strip = figure.axes[1]
+    assert [tick.get_text() for tick in strip.get_xticklabels()] == ["overturned"]
+    at = sorted({strip.transData.transform((x, 0.0))[0] / figure.dpi for x, _ in dots(strip)})
+    assert len(at) == 8
+    assert min(right - left for left, right in pairwise(at)) > 0.6 * 2.8 / 72.0  # of a mark of 2.8 points
+
+
+def test_labels_of_two_panels_stay_off_one_another():
+    bodies = {f"{name} as it stands": {"height": h, "width": w} for name, (h, w) in SIZES.items()}
+    dataset = rockcli.run(study(vary={"block": bodies, "motion.pulse.T_p": [0.3, 0.5, 0.7]}, over="T_p"))
+    figure = rockcli.plot(dataset, "ranking", width=60)
+    figure.draw_without_rendering()
+    check_words(figure)
+
+
+def test_slides_without_end_are_told():
+    """No mark stands for them: the panel of slides was empty, as if nothing slid."""
+    bodies = {name: {"height": h, "width": w, "mu": 0} for name, (h, w) in SIZES.items()}
+    pulse = {"shape": "half_sine", "T_p": 0.5, "a_p": 0.3 * G}  # leaves the ground with a velocity
+    case = {"block": bodies["low"], "motion": {"pulse": pulse}}
+    dataset = rockcli.run(study(case=case, vary={"block": bodies}))
+    assert np.isposinf(dataset["slide_peak"].values).all()
+    assert "4 of 4 slide on for ever" in figures.figure("ranking", dataset).get_label()

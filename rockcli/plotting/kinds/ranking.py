@@ -22,6 +22,7 @@ from rockcli.plotting.common.style import (
     headline,
     legend_of,
     new_figure,
+    panel_label,
     width_or,
     wrapped,
 )
@@ -50,8 +51,11 @@ CAPACITY = "fragility_median"
 _MOST_ROWS = 60
 """Rows of a page."""
 
-_ROW, _LINE, _COLUMN = 0.155, 0.125, 0.17
-"""Height of a row and of one more line of its name, width of a column of the strip [in]."""
+_ROW, _LINE, _COLUMN, _MARK = 0.155, 0.125, 0.14, 0.03
+"""Height of a row and of one more line of its name, width of a column of the strip, and of a mark in it [in]."""
+
+_STRIP = 0.35
+"""Share of the width that the strip takes at most."""
 
 _NAMES, _LETTERS = 0.42, 21.0
 """Share of the width that names take at most, beyond which they have several lines; letters of theirs in an inch."""
@@ -132,13 +136,14 @@ def draw(dataset: xarray.Dataset) -> Figure:
     names = ["\n".join(wrapped(name, int(_NAMES * width * _LETTERS))) for name in names]
     row = _ROW + _LINE * max((name.count("\n") for name in names), default=0)
     figure = new_figure(width, 1.5 + row * len(order))
-    strip = [_COLUMN * len(columns)] if columns else []
+    strip = [min(_COLUMN + _MARK * len(shown), _STRIP * width / len(columns)) * len(columns)] if columns else []
     share = (0.7 * width - sum(strip)) / len(panels)
     widths = [share, *strip, *([share] * (len(panels) - 1))]
     grid = figure.subplots(1, len(widths), sharey=True, squeeze=False, width_ratios=widths)[0]
     beside = [grid[0], *grid[1 + len(strip) :]]
     for axes, panel in zip(beside, panels, strict=True):
         _draw_panel(axes, panel, shown)
+        panel_label(axes, panel.label, 1.3 * share)
     if columns:
         _draw_strip(grid[1], columns, reasons, order)
     first = grid[0]
@@ -261,7 +266,6 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: list[Shown]) -> None:
     finite = values[np.isfinite(values)]
     left, right = 1.05 * float(finite.min(initial=0.0)), 1.05 * float(finite.max(initial=0.0))
     axes.set_xlim(left, right if right > left else 1.0)
-    axes.set_xlabel(panel.label)
     axes.grid(axis="y", color=QUIET, linewidth=0.3, alpha=0.5)
     axes.tick_params(axis="y", length=0.0)
     axes.spines["left"].set_visible(False)
@@ -302,6 +306,7 @@ def _notes(
         far = sum(int(beyond.isel({a: i for a, i in case.place.items() if a in beyond.dims}).sum()) for case in shown)
     if panels[0].barred:
         bars = "bars: 95 % limits" if _ranked(dataset) == CAPACITY else "bars: as members without an answer may go"
+    endless = int(np.isposinf(panels[1].values).sum()) if len(panels) > 1 and suite is None else 0
     fallen = len(panels) > 1 and suite is not None and bool(np.isposinf(panels[1].values).any())
     return [
         members,
@@ -312,4 +317,5 @@ def _notes(
         bars,
         f"{far} median{'' if far == 1 else 's'} beyond the intensities of the suite, extrapolated" if far else "",
         "no median where half or more overturn" if fallen else "",
+        f"{endless} of {panels[-1].values.size} slide on for ever" if endless else "",
     ]
