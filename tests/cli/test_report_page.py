@@ -377,6 +377,26 @@ def test_the_headline_of_a_search_tells_what_lies_outside_its_range() -> None:
     assert told(sizes[2:], *ends) == ("nowhere", "overturns", f"up to {what} 0.9 g")
 
 
+def test_a_page_calls_what_was_searched_along_by_its_name() -> None:
+    """It had the name of a variable, `motion_record_pga`; with floors it is the ground's."""
+    values = (np.sin(np.linspace(0.0, 6.0 * np.pi, 200)) * np.linspace(1.0, 0.1, 200)).tolist()
+    record = {"values": values, "dt": 0.01, "units": "g"}
+    vary = {
+        "motion.record": {"one": record, "two": record | {"dt": 0.02}},
+        "motion.record.pga": {"from": "0.1*g", "to": "6*g", "n": 30, "find": "overturning"},
+    }
+    case = {
+        "block": {"R": 1.0, "tan_alpha": 0.2},
+        "motion": {"record": record, "through": [{"T": 0.2, "zeta": 0.05}]},
+    }
+    data = rockcli.run({"case": case, "vary": vary, "over": "record"})
+    text = page(data, [])
+    assert "<li>Lowest overturning PGA of the ground of 2 records, median: " in text
+    assert "<p>Lowest overturning PGA of the ground: " in text
+    (fact,) = (fact for fact in facts_of(data) if fact.what == "overturns from")
+    assert fact.sentence.startswith("PGA of the ground, ")
+
+
 def test_no_absolute_paths_and_a_page_for_paper(written: tuple[Path, str]) -> None:
     data = rockcli.open_dataset(written[0])
     told = data.assign_attrs(warnings=json.dumps(["read /home/someone/secret/a.AT2 and C:\\Users\\me\\b.AT2, 1 m/s/s"]))

@@ -106,18 +106,14 @@ def axis_label(dataset: xarray.Dataset, axis: str) -> str:
 def searched_symbol(dataset: xarray.Dataset, name: str) -> str:
     """Symbol of what a search goes along (`find: overturning`), which has no axis but a name as `motion_record_pga`."""
     key = name.rsplit("motion_record_", 1)[-1].rsplit("motion_pulse_", 1)[-1]
-    of_record = name == f"motion_record_{key}"
-    return (symbol_of(key) or key.replace("_", " ")) + (_of_the_ground(dataset, key) if of_record else "")
+    return (symbol_of(key) or key.replace("_", " ")) + whose(dataset, name)
 
 
 def whose(dataset: xarray.Dataset, axis: str) -> str:
-    """Of a peak of the ground, that it is the ground's, where floors stand between; else ""."""
-    record, _, key = path_of(dataset, axis).rpartition(".")
-    return _of_the_ground(dataset, key) if record == "motion.record" else ""
-
-
-def _of_the_ground(dataset: xarray.Dataset, key: str) -> str:
-    return " of the ground" if key in ("pga", "pgv", "sa") and has_floors(dataset) else ""
+    """Of a peak of the ground, varied or searched along: that it is the ground's below floors; ""."""
+    path = path_of(dataset, axis) if axis in dataset.variables else axis.replace("motion_record_", "motion.record.")
+    below = path in ("motion.record.pga", "motion.record.pgv", "motion.record.sa") and has_floors(dataset)
+    return " of the ground" if below else ""
 
 
 def has_floors(dataset: xarray.Dataset) -> bool:

@@ -273,7 +273,7 @@ def _of_search(dataset: xarray.Dataset, name: str) -> list[Fact]:
     """The lowest thresholds of the cases, of which some may overturn below the range and some nowhere in it."""
     divisor, unit = shown_unit(dataset, name)
     found = Thresholds.read(name, lambda one: dataset[one].values if one in dataset.variables else None)
-    axis = _plain(name.removesuffix(FOUND))
+    axis = searched_words(dataset, name.removesuffix(FOUND))
     known, none, below = (found.state == state for state in (IN_RANGE, NONE, BELOW))
 
     def cases(which: NDArray[np.bool_]) -> str:
@@ -294,6 +294,11 @@ def _of_search(dataset: xarray.Dataset, name: str) -> list[Fact]:
     if none.any():
         words += f"; {cases(none)} overturn nowhere up to {_with_unit(f'{found.low[none].max() / divisor:.3g}', unit)}"
     return [Fact(value, "overturns from", words)]
+
+
+def searched_words(dataset: xarray.Dataset, name: str) -> str:
+    """What a search goes along, in plain words, of a name as `motion_record_pga`."""
+    return _plain(name) + whose(dataset, name)
 
 
 def _with_unit(number: str, unit: str) -> str:

@@ -18,7 +18,7 @@ from rockcli.plotting.common.suite import suite_axes
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
 from rockcli.plotting.page.elements import folded, image, laid_out, section, table
-from rockcli.plotting.page.facts import facts_of, name_of, sentence_of
+from rockcli.plotting.page.facts import facts_of, name_of, searched_words, sentence_of
 from rockcli.scene.looks import Look
 from rockcli.scene.response import OUTCOMES, outcome_words
 from rockcli.scene.thresholds import FOUND, threshold_words
@@ -121,7 +121,8 @@ def _thresholds(dataset: xarray.Dataset) -> str:
     for name, item in dataset.data_vars.items():
         if str(name).endswith(FOUND) and item.dims == axes:
             words = threshold_words(thresholds_in(dataset, str(name)), coordinates, item.attrs.get("units", "1"), units)
-            said.append(f"<p>Lowest overturning {escape(f'{str(name).removesuffix(FOUND)}: {words}')}.</p>\n")
+            sentence = f"lowest overturning {str(name).removesuffix(FOUND)}: {words}"
+            said.append(f"<p>{escape(_plain(dataset, sentence))}</p>\n")
     return "".join(said)
 
 
@@ -133,8 +134,10 @@ def _suite(dataset: xarray.Dataset) -> str:
 
 
 def _plain(dataset: xarray.Dataset, sentence: str) -> str:
-    """A sentence with names of axes as they are said."""
+    """A sentence with names of axes, and of what was searched along, as they are said."""
     names = {axis: name_of(dataset, axis) for axis in axes_of(dataset)}
+    found = [str(name).removesuffix(FOUND) for name in dataset.data_vars if str(name).endswith(FOUND)]
+    names |= {name: searched_words(dataset, name) for name in found}
     sentence = re.sub(r"\w+", lambda word: names.get(word[0], word[0]), sentence)
     of_a_point = "=" in sentence.partition(" ")[0]  # `h=0.8`, which is not `H`
     return (sentence if of_a_point else sentence[:1].upper() + sentence[1:]) + "."
