@@ -397,6 +397,32 @@ def test_a_page_calls_what_was_searched_along_by_its_name() -> None:
     assert fact.sentence.startswith("PGA of the ground, ")
 
 
+def test_sections_of_figures_say_what_is_in_them() -> None:
+    """A search had `Peak rotation`, captions told what a figure is of other datasets, and two sections one title."""
+    pulse = {"shape": "half_sine", "a_p": 4.0, "T_p": 1.0}
+    case = {"block": {"R": 1.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    sizes, widths = [1.0, 2.0, 3.0, 4.0, 5.0], [0.6, 0.7, 0.8, 0.9, 1.0]
+    span = {"from": "0.1*g", "to": "2*g", "n": 20, "find": "overturning"}
+    studies = {
+        "Lowest overturning values": {"motion.pulse.a_p": span, "motion.pulse.T_p": widths},
+        "Share that overturns": {"motion.pulse.T_p": widths, "block.tan_alpha": [0.2, 0.25, 0.3]},
+        "Peak rotation": {"motion.pulse.T_p": widths},
+        "Outcomes": {"motion.pulse.T_p": widths, "block.R": sizes},
+    }
+    for title, vary in studies.items():
+        over = {"over": "T_p"} if title.startswith("Share") else {}
+        text = page(rockcli.run({"case": case, "vary": vary, "save": {"histories": False}} | over))
+        titles = re.findall(r"<h2>(.*?)</h2>", text)
+        assert title in titles
+        assert len({*titles}) == len(titles)
+        caption, drawing = re.findall(
+            r'<p class="quiet">([^<]*)</p><div class="plot"><svg role="img" aria-label="([^"]*)"', text
+        )[-1]
+        assert caption == drawing
+        assert "`" not in caption
+        assert "of a suite the share" not in caption
+
+
 def test_no_absolute_paths_and_a_page_for_paper(written: tuple[Path, str]) -> None:
     data = rockcli.open_dataset(written[0])
     told = data.assign_attrs(warnings=json.dumps(["read /home/someone/secret/a.AT2 and C:\\Users\\me\\b.AT2, 1 m/s/s"]))
@@ -412,7 +438,7 @@ def test_no_absolute_paths_and_a_page_for_paper(written: tuple[Path, str]) -> No
 def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     data = rockcli.run(SUITE | {"rules": ["west"]})
     words = rockcli.report(data, tmp_path / "a.html").read_text(encoding="utf-8")
-    for title in ("Fragility", "The suite", "Rules of thumb and code checks"):
+    for title in ("Fragility in numbers", "The suite", "Rules of thumb and code checks"):
         assert f"<h2>{title}</h2>" in words
     assert f"<td>{float(data.fragility_median.values[-1]) / 9.81:.4g}</td>" in words
     assert "<td>west</td><td>1885</td><td>100</td>" in words

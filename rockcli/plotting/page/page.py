@@ -17,6 +17,7 @@ from rockcli.plotting.common.style import OUTCOME_COLOURS
 from rockcli.plotting.common.suite import suite_axes
 from rockcli.plotting.common.table import case_table
 from rockcli.plotting.figures import KINDS, default_kinds, figure, why_not
+from rockcli.plotting.kinds import suite_curve
 from rockcli.plotting.page.elements import folded, image, laid_out, section, table
 from rockcli.plotting.page.facts import facts_of, name_of, searched_words, sentence_of
 from rockcli.scene.looks import Look
@@ -56,13 +57,18 @@ def page(
     if "motion" not in plots and not why_not("motion", dataset):
         plots.append("motion")
     first = [kind for kind in _FIRST if kind in plots and not why_not(kind, dataset)]
+    drawn = {_title(dataset, kind) for kind in plots}
     parts = [
         section(
             "Result", _facts(dataset) + _outcomes(dataset) + _audit(dataset) + _suite(dataset) + _thresholds(dataset)
         ),
         *(_plot(dataset, kind) for kind in first),
         *(_plot(dataset, kind) for kind in plots if kind not in _FIRST),
-        *(section(title, table(head, rows, note)) for title, head, rows, note in tables if rows),
+        *(
+            section(f"{title} in numbers" if title in drawn else title, table(head, rows, note))
+            for title, head, rows, note in tables
+            if rows
+        ),
         section("Cases", table(*case_table(dataset))),
         section("Checks", _verdicts(verdicts)),
         folded("Notes and warnings", _warnings(dataset)),
@@ -173,16 +179,23 @@ def _warnings(dataset: xarray.Dataset) -> str:
 
 def _plot(dataset: xarray.Dataset, kind: str) -> str:
     """A section with a drawing, which is a picture where that would be far smaller."""
-    title, sentence = (
-        _TITLES.get(kind, kind.replace("_", " ").capitalize()),
-        KINDS[kind].sentence if kind in KINDS else "",
-    )
+    title = _title(dataset, kind)
+    sentence = KINDS[kind].sentence.partition(";")[0] if kind in KINDS else ""  # the rest is of other content
     if why := why_not(kind, dataset):
         return section(title, f'<p class="quiet">not drawn: {_text(why)}</p>')
     drawn = figure(kind, dataset, Look(title=None))
     note = style.untold(drawn)
     said = "; ".join(filter(None, (sentence, note, _left_out(dataset, kind, note))))
-    return section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{image(drawn, sentence)}</div>')
+    return section(title, f'<p class="quiet">{_text(said)}</p><div class="plot">{image(drawn, said)}</div>')
+
+
+def _title(dataset: xarray.Dataset, kind: str) -> str:
+    """Title of the section of a figure; a curve is also of what a search found, or of a suite."""
+    if kind == "curve" and any(str(name).endswith(FOUND) for name in dataset.data_vars):
+        return "Lowest overturning values"
+    if kind == "curve" and suite_curve.along(dataset) is not None:
+        return "Share that overturns"
+    return _TITLES.get(kind, kind.replace("_", " ").capitalize())
 
 
 def _left_out(dataset: xarray.Dataset, kind: str, note: str) -> str:
