@@ -113,6 +113,9 @@ def test_plots_are_drawings(written: tuple[Path, str]) -> None:
         assert root.get("role") == "img"
         assert root.get("aria-label")
     assert "data:image" not in written[1]
+    names = re.findall(r' id="([^"]*)"', written[1])
+    assert len({*names}) == len(names)  # every drawing had a `figure_1`, an `axes_1` and the same letters
+    assert {*re.findall(r'(?:href="|url\()#([^")]*)', written[1])} <= {*names}
 
 
 def test_the_headline_is_in_words_with_units() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import re
+import zlib
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -52,10 +53,17 @@ def image(drawn: Figure, words: str) -> str:
     text = code.getvalue()
     if len(text) <= _HEAVY:
         inside = text[text.index("<svg") :].replace("\n", " ")
-        inside = re.sub(r"<metadata>.*?</metadata>", "", inside)
+        inside = _of_its_own(re.sub(r"<metadata>.*?</metadata>", "", inside))
         role = f'<svg role="img" aria-label="{escape(words)}" style="max-width:{width}px"'
         return re.sub(r"^<svg", role, re.sub(r' (width|height)="[\d.]+pt"', "", inside, count=2))
     return picture(drawn, words)
+
+
+def _of_its_own(drawing: str) -> str:
+    """A drawing whose names are those of no other on the page; nothing refers to those of its groups."""
+    own = f"{zlib.crc32(drawing.encode()):08x}"
+    named = re.sub(r'(<g) id="[^"]*"', r"\1", drawing)
+    return re.sub(r'( id="|href="#|url\(#)', rf"\g<1>d{own}-", named)
 
 
 def picture(drawn: Figure, words: str) -> str:
