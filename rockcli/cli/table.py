@@ -160,7 +160,8 @@ def _print(table: Table, rows: int, always: Sequence[str]) -> None:
     told = 0
     while told < len(shown) and shown[-1 - told].values.dtype != object:
         told += 1
-    say(printed([column.head for column in shown], zip(*cells, strict=True), right=told))
+    keys = sum(column.name in table.dims for column in shown)
+    say(printed([column.head for column in shown], zip(*cells, strict=True), right=told, keys=max(keys, 1)))
     left = table.size - len(cells[0])
     if left > 0:
         say(f"rock: {left} more of {table.size} rows: --rows {table.size}, or --out FILE.csv", err=True)

@@ -47,7 +47,7 @@ def verify(
             )
             for check in made
         ]
-        say(table(("", "closed form", "expected", "got", "difference", "allowed"), rows, right=4))
+        say(table(("", "closed form", "expected", "got", "difference", "allowed"), rows, right=4, keys=2))
         say(f"{agree} of {len(made)} agree; differences are relative")
     raise typer.Exit(0 if agree == len(made) else 1)
 

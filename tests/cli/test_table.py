@@ -302,3 +302,41 @@ def test_tables_of_a_suite_have_what_was_said_of_the_bodies(rock, tmp_path, caps
     assert "note_room" not in capsys.readouterr().out.splitlines()[0]
     assert rock("table", file, "--of", "fragility", "--columns", "note_room,fragility_median") == 0
     assert "note_room" in capsys.readouterr().out.splitlines()[0]
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120, 1000])
+@pytest.mark.parametrize("numbers", [7, 0])
+def test_a_narrow_terminal_has_all_columns(monkeypatch, columns, numbers):
+    """At 80 columns the first three, axes and outcome, were not printed, and numbers at the end were cut off."""
+    from rockcli.cli.tables import table
+
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("NO_COLOR", "1")
+    head = ["through", "record", "outcome", *(f"a_quantity_of_case_{i} [m/s]" for i in range(7))]
+    rows = [
+        ["isolator on a floor", f"motion_number_{i}.AT2", "rocking", *(f"{i}.{j}5" for j in range(7))] for i in range(3)
+    ]
+    told = re.sub(r"\x1b\[[0-9;]*m", "", table(head, rows, right=numbers, keys=2))
+    assert max(map(len, told.splitlines())) <= columns
+    tables = told.split("\n\n")
+    assert (len(tables) == 1) == (columns == 1000)
+    for number in range(3):
+        for cell in rows[number][3:]:
+            assert len(re.findall(rf"(?<!\S){re.escape(cell)}(?!\S)", told)) == 1
+    letters = re.sub(r"\s", "", told)
+    if numbers:  # heads of numbers are not folded
+        assert all(name in told for name in head)
+    for one in tables:  # what a row is of stands in each of them
+        assert one.lstrip().split()[0] == "through" or not numbers
+        assert "record" in one
+    assert letters.count("1.35") == 1
+
+
+def test_a_table_of_one_wide_column_is_printed_whole(monkeypatch):
+    from rockcli.cli.tables import table
+
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "20")
+    told = re.sub(r"\x1b\[[0-9;]*m", "", table(["", "a_quantity_of_a_long_name"], [["x", "1"]], right=1))
+    assert "a_quantity_of_a_long_name" in told
