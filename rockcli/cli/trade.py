@@ -170,7 +170,7 @@ def _table(points: Iterable[Point]) -> str:
                 _count(middle(p.answers.rhs)),
             )
         )
-    return table(head, rows, right=6, indent=4)
+    return table(head, rows, right=6, indent=4, keys=2)
 
 
 def _count(value: float) -> str:
