@@ -35,6 +35,8 @@ BLOCKS = [(path, block) for path in PAGES for block in site.EQUATIONS.findall(pa
 def test_the_reference_agrees_with_the_program(name):
     shown = (DOCS / "reference" / name).read_text(encoding="utf-8")
     assert shown == reference.page(name), "run python docs/tools/reference.py"
+    words = re.sub(r"```.*?```|`[^`]*`", "", shown, flags=re.S)
+    assert not re.search(r"<\w", words)  # a placeholder, DIR/<name>, would be a tag, of which a page shows nothing
 
 
 def test_every_environment_variable_is_listed():

@@ -21,8 +21,17 @@ MADE = "\n<!-- made by docs/tools/reference.py -->\n"
 
 def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A table of Markdown; bars inside cells are escaped."""
-    lines = [head, tuple("---" for _ in head), *[tuple(cell.replace("|", "\\|") for cell in row) for row in rows]]
+    lines = [
+        head,
+        tuple("---" for _ in head),
+        *[tuple(_shown(cell.replace("|", "\\|")) for cell in row) for row in rows],
+    ]
     return "\n".join(f"| {' | '.join(' '.join(cell.split()) for cell in line)} |" for line in lines) + "\n"
+
+
+def _shown(text: str) -> str:
+    """Words in which `<name>` outside code is a placeholder, no tag of HTML, which a page leaves out."""
+    return re.sub(r"(`[^`]*`)|<(?=\w)", lambda found: found[1] or "&lt;", text)
 
 
 def commands() -> str:
@@ -84,7 +93,9 @@ def _plain(text: str) -> str:
 
 
 def _prose(text: str) -> str:
-    return "\n\n".join(_plain(paragraph) for paragraph in inspect.cleandoc(text).replace("\b", "").split("\n\n"))
+    return "\n\n".join(
+        _shown(_plain(paragraph)) for paragraph in inspect.cleandoc(text).replace("\b", "").split("\n\n")
+    )
 
 
 def keys() -> str:
