@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from half_sines import SUITE
@@ -322,6 +324,21 @@ def test_bars_of_several_curves_of_a_spectrum_are_all_seen():
         lines = [line for line in axes.lines if not line.get_label().startswith("_")]
         assert len({str(line._dash_pattern) for line in lines}) == 4
         assert np.nanmax(lines[-1].get_ydata()) < min(heights)
+
+
+def test_notes_and_legends_of_a_suite_that_stays_at_rest_are_of_what_is_drawn():
+    """They spoke of cases that leave to the right, of bars, and of a line of uplift beyond the axis."""
+    pulse = {"shape": "sine", "a_p": 1.0, "omega_p": 6.0}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.omega_p": [3.0, 6.0, 9.0], "motion.pulse.a_p": [0.2, 0.5, 1.0]}
+    dataset = rockcli.run({"case": case, "vary": vary, "over": {"axis": "omega_p", "limits": [0.5]}})
+    assert not dataset["theta_peak_over_alpha"].values.any()
+    for kind in ("ida", "fragility"):
+        figure = figures.figure(kind, dataset)
+        assert not re.search("leave|bars|bands", figure.get_label())
+        assert not [text for text in figure.legends[0].get_texts() if "uplift" in text.get_text()]
+    fallen = rockcli.run({"case": case, "vary": vary | {"motion.pulse.a_p": [2.5, 5.0, 10.0, 20.0]}, "over": "omega_p"})
+    assert figures.figure("ida", fallen).get_label().endswith("overturned cases leave to the right")
 
 
 def test_ida_of_bodies_that_slide_on_for_ever():

@@ -84,7 +84,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     x = _intensity(dataset, suite)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
-        banded = _panel(axes, dataset.isel(case.place), suite, numbers=single)
+        banded = _panel(axes, dataset.isel(case.place), suite, float(x.max(initial=0.0)), numbers=single)
         if case.label:
             panel_title(axes, case.label, width / columns)
         if number + columns >= len(shown):
@@ -104,12 +104,12 @@ def draw(dataset: xarray.Dataset) -> Figure:
     first.set_xlim(low, last * beyond)
     legend_below(figure, _entries(list(grid.flat)), 1 if single else 3)
     limits = "bands" if banded else "bars"
-    points = "points: shares; " if _stripes(dataset, suite) is not None else ""
-    words = f"{points}{limits}: 95 % limits"
-    words += " of the medians" if limits == "bars" else ""
+    points = "points: shares" if _stripes(dataset, suite) is not None else ""
+    fitted = bool(np.isfinite(dataset["fragility_median"].values).any())
+    words = f"{limits}: 95 % limits" + " of the medians" * (not banded) if fitted else ""
     missing = left_out_words(dataset, suite, shown)
     signed = _turned(dataset, suite)
-    notes = [members_word(dataset, suite), signed, missing, second_words(dataset), words, note]
+    notes = [members_word(dataset, suite), signed, missing, second_words(dataset), points, words, note]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)))
     fit_panels(figure, first, max(0.62 * width / columns, SHORTEST), rows)
     return figure
@@ -202,8 +202,8 @@ def _state(label: str, *, alone: bool = True) -> str:
     return f"{words} or {OVERTURNED}" if quantity and alone else words
 
 
-def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> bool:
-    """Shares and curves of a body; whether the limits of the curves are bands, not bars."""
+def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, last: float, *, numbers: bool) -> bool:
+    """Shares and curves of a body up to `last`; whether the limits of the curves are bands, not bars."""
     from scipy.special import ndtr  # late: other figures need none of it
 
     positive = _intensity(part, suite)
@@ -213,7 +213,8 @@ def _panel(axes: Axes, part: xarray.Dataset, suite: Suite, *, numbers: bool) -> 
     x = begin + (positive.max() - begin) * np.geomspace(1e-3, 1.0, 401) if len(positive) else np.empty(0)
     stripes = _stripes(part, suite)
     if begin > 0.0:
-        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=first_motion(part))
+        named = first_motion(part) if begin <= last else ""
+        axes.axvline(begin, color="0.45", linewidth=0.8, linestyle=(0, (1.5, 1.5)), zorder=1, label=named)
     # several panels have one legend
     same = _same_curve(part) if numbers else [[i] for i in range(part.sizes["limit_state"])]
     banded = sum(bool(each) for each in same) <= _BANDS

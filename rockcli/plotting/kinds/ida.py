@@ -94,7 +94,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     peak = _told(dataset)
     right = _right(dataset, peak)
     few = int(dataset.sizes[suite.axis]) < _FEW
-    lifts = False
+    lifts, top = False, _top(dataset, suite, intensity, peak)
     for number, case in enumerate(shown):
         axes = grid.flat[number]
         part = dataset.isel(case.place)
@@ -109,7 +109,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
         if _told(part) != peak:  # its curves are a line at zero
             axes.text(0.5, 0.5, "only slides", transform=axes.transAxes, ha="center", color="#555555")
         elif peak == PEAK:
-            lifts |= _uplift(axes, part, suite.along)
+            lifts |= _uplift(axes, part, suite.along, top)
             if right > 1.05:
                 axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
         if case.label:
@@ -124,7 +124,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
     low = _bottom(dataset, suite, intensity, peak) if is_log(intensity[order]) else min(0.0, float(intensity.min()))
-    grid.flat[0].set_ylim(low, _top(dataset, suite, intensity, peak))
+    grid.flat[0].set_ylim(low, top)
     looks = [(members_word(dataset, suite), _MANY)]
     looks += [(word, {"color": BOLD, "linewidth": 1.6, "dashes": dashes}) for _, word, dashes in FRACTILES]
     if few:  # each is named, and no percentile is drawn: it would leap from one of them to another
@@ -138,11 +138,11 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if lifts:
         words.append(Line2D([], [], label=uplift_label(dataset), **LIFTS))
     legend_below(figure, words)
-    said = ["overturned cases leave to the right"]
+    beyond = bool(np.isposinf(dataset[peak].values).any())
+    said = ["overturned cases leave to the right"] * beyond
     if peak == SLIDE:
-        endless = bool(np.isposinf(dataset[SLIDE].values).any())
         said = ["nothing rocks: displacements along the ground"]
-        said += ["what slides on for ever leaves to the right"] * endless
+        said += ["what slides on for ever leaves to the right"] * beyond
     note = "; ".join(filter(None, [left_out_words(dataset, suite, shown), some, *said]))
     headline(figure, title_of(dataset), note)
     fit_panels(figure, grid.flat[0], max(0.62 * width / columns, SHORTEST), rows)
@@ -176,8 +176,8 @@ def fractiles_of(members: int) -> tuple[tuple[str, str, tuple[float, ...]], ...]
     return FRACTILES if members >= _FEW else FRACTILES[1:2]
 
 
-def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
-    """Draw the acceleration at which a rigid body lifts, where that is one number; whether it is."""
+def _uplift(axes: Axes, part: xarray.Dataset, along: str, top: float) -> bool:
+    """Draw the acceleration at which a rigid body lifts, where that is one number below `top`; whether it is."""
     peak_of_ground = part[along].attrs.get("units") == "m s-2" and not path_of(part, along).endswith(".sa")
     if not peak_of_ground or "alpha" not in part.variables or has_floors(part):
         return False
@@ -191,8 +191,9 @@ def _uplift(axes: Axes, part: xarray.Dataset, along: str) -> bool:
     level = np.unique(lifts.values)
     if not level.size or not np.ptp(level) <= 1e-9 * level[0]:
         return False
-    axes.axhline(float(level[0]) / shown_unit(part, along)[0], zorder=0, **LIFTS)
-    return True
+    shown = float(level[0]) / shown_unit(part, along)[0]
+    axes.axhline(shown, zorder=0, **LIFTS)
+    return shown <= top
 
 
 def _bottom(dataset: xarray.Dataset, suite: Suite, intensity: Array, peak: str) -> float:
