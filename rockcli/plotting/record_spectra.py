@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.plotting.common.labels import escape
-from rockcli.plotting.common.style import COLOURS, MOST_CURVES, RC, SINGLE, headline, legend_below, new_figure, save
+from rockcli.plotting.common.style import (
+    COLOURS,
+    LINES,
+    MOST_CURVES,
+    RC,
+    SINGLE,
+    headline,
+    legend_below,
+    new_figure,
+    save,
+)
+from rockcli.plotting.kinds.map import scale_axes
 
 
 def draw(
@@ -30,15 +42,15 @@ def draw(
         many = len(spectra) > MOST_CURVES
         shown = []
         for i, (name, values) in enumerate(spectra):
-            style = {"color": "0.7", "linewidth": 0.6} if many else {"color": COLOURS[i], "label": _label(name)}
+            style: dict[str, Any] = {"color": "0.7", "linewidth": 0.6}
+            if not many:
+                style = {"color": COLOURS[i], "linestyle": LINES[i % len(LINES)], "label": _label(name)}
             shown += axes.plot(periods, values, **style)
         if many:
             with np.errstate(divide="ignore"):  # of a record that is zero throughout
                 median = np.exp(np.median(np.log([values for _, values in spectra]), axis=0))
             shown = axes.plot(periods, median, color=COLOURS[0], linewidth=1.8, label=f"median of {len(spectra)}")
-        axes.set_xscale("log")
-        if any((values > 0.0).any() for _, values in spectra):
-            axes.set_yscale("log")
+        scale_axes(axes, True, any((values > 0.0).any() for _, values in spectra))
         axes.set_xlim(periods[0], periods[-1])
         axes.set_xlabel("period [s]")
         axes.set_ylabel(r"$S_a$(5 %) [g]")

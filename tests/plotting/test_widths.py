@@ -271,13 +271,16 @@ def lightness(colour: object) -> float:
     return float(116.0 * np.cbrt(y) - 16.0 if y > 0.008856 else 903.3 * y)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_legend_needs_no_colours(drawn, kind):
-    figure = drawn(kind, 120)
+def check_colours(figure: Figure) -> None:
     for legend in figure.legends:
         for one, other in combinations(legend.legend_handles, 2):
             (a, light), (b, dark) = looks(one), looks(other)
             assert a != b or abs(light - dark) > 9.0, (one.get_label(), other.get_label())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_legend_needs_no_colours(drawn, kind):
+    check_colours(drawn(kind, 120))
 
 
 def test_no_word_of_a_title_is_left_alone():
@@ -412,3 +415,24 @@ def test_static_curves_of_several_bodies_name_corners_below_the_panels(width):
     check_words(figure)
     assert not [axes for axes in figure.axes if axes.get_legend()]
     assert "block, pivot-side corner" in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_many_curves_of_samples_and_spectra_need_no_colours(tmp_path, monkeypatch):
+    """They differed in colour alone; along the axes of spectra stood 10^-1 and 10^0, two numbers in a figure."""
+    drawn: list[Figure] = []
+    monkeypatch.setattr(record_spectra, "save", lambda figure, *_: drawn.append(figure))
+    periods = np.geomspace(0.02, 10.0, 50)
+    record_spectra.draw(tmp_path / "x.png", periods, [(f"{i}", (1.0 + i) / (1.0 + periods)) for i in range(8)], "t")
+    case = {"block": {"R": 2.0, "alpha": 0.2}, "initial": {"theta_dot": 0.5}}
+    study = {"case": case, "uncertain": {"block.R": {"lognormal": [2.0, 0.3]}}, "samples": 16}
+    data = rockcli.run(study | {"vary": {"initial.theta_dot": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]}})
+    drawn.append(rockcli.plot(data, "samples"))
+    for figure in drawn:
+        figure.draw_without_rendering()
+        check_words(figure)
+        check_colours(figure)
+    for axis in (drawn[0].axes[0].xaxis, drawn[0].axes[0].yaxis):
+        low, high = axis.get_view_interval()
+        ticks = [tick.label1.get_text() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+        assert "1" in ticks
+        assert len(ticks) > 2

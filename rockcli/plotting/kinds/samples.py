@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rockcli.plotting.common.cases import Array
 from rockcli.plotting.common.labels import axis_symbol, path_of, title_of, variable_label
-from rockcli.plotting.common.style import COLOURS, DOUBLE, MOST_CURVES, QUIET, headline, legend_of, new_figure, width_or
+from rockcli.plotting.common.style import (
+    COLOURS,
+    DOUBLE,
+    LINES,
+    MOST_CURVES,
+    QUIET,
+    headline,
+    legend_of,
+    new_figure,
+    width_or,
+)
 from rockcli.plotting.common.suite import end_to_end, members_word, panels, suite_of
 from rockcli.scene.variables import INPUT, PEAK
 
@@ -54,7 +64,8 @@ def draw(dataset: xarray.Dataset) -> Figure:
     for number, case in enumerate(shown):
         part = whole.isel(case.place)
         colour = COLOURS[number % len(COLOURS)]
-        _exceedance(left, np.ravel(part[PEAK].values), end, colour, case.label)
+        style = {"color": colour, "linestyle": LINES[number % len(LINES)], "label": case.label}
+        _exceedance(left, np.ravel(part[PEAK].values), end, style)
         p, low, high = (float(part[f"p_overturned{name}"]) for name in ("", "_ci_low", "_ci_high"))
         if np.isfinite(p):
             at = end * (1.04 + 0.02 * number)
@@ -86,7 +97,7 @@ def _bottom(parts: Iterable[xarray.Dataset]) -> float:
     return -0.02 if least < 0.5 else np.floor(10.0 * least - 1.0) / 10.0
 
 
-def _exceedance(axes: Axes, peaks: Array, end: float, colour: str, label: str) -> None:
+def _exceedance(axes: Axes, peaks: Array, end: float, style: dict[str, Any]) -> None:
     """Share of the samples with an answer whose peak is larger than x."""
     known = np.sort(peaks[~np.isnan(peaks)])
     if not len(known):
@@ -94,7 +105,7 @@ def _exceedance(axes: Axes, peaks: Array, end: float, colour: str, label: str) -
     inside = known[np.isfinite(known)]
     x = np.concatenate([[0.0], inside, [end]])
     larger = 1.0 - np.concatenate([[0.0], np.arange(1, len(inside) + 1), [len(inside)]]) / len(known)
-    axes.step(x, larger, where="post", color=colour, linewidth=1.2, label=label)
+    axes.step(x, larger, where="post", linewidth=1.2, **style)
 
 
 def _matters(dataset: xarray.Dataset) -> tuple[str, str, str]:
