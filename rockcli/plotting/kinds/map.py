@@ -252,6 +252,7 @@ def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
         if log:
             set_scale("log")
             low, high = axis.get_data_interval()
+            low = max(low, axis.get_minpos())  # what is 0 has no place
             decades = np.log10(high / low) if low < high else 0.0  # where nothing is drawn low is inf
             short = decades < 1.0 or not any("times" in number_words(5.0 * end) for end in (low, high))
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 and short else (1.0,)))
