@@ -295,6 +295,17 @@ def test_logarithmic_axes_have_powers_of_ten_as_legends_have(ends, words) -> Non
     assert [label.get_text() for at, label in ticks if low <= at <= high] == words
 
 
+def test_what_overturns_counts_for_the_numbers_along_a_logarithmic_axis() -> None:
+    """Of one peak among moduli over two decades the axis had 1, 2 and 5 times each power of ten, or some of them."""
+    axis = ("E", np.geomspace(3e8, 3e10, 3), {"path": "column.E", "units": "Pa", "long_name": "E"})
+    peaks = ("E", np.array([np.inf, np.inf, 0.7]))
+    dataset = xarray.Dataset({"theta_peak_over_alpha": peaks}, {"E": axis}, {"axes": "E", "title": "t"})
+    _, axes = figures.figure("curve", dataset).axes
+    low, high = axes.get_xlim()
+    ticks = zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)
+    assert [label.get_text() for at, label in ticks if low <= at <= high] == ["$10^{9}$", "$10^{10}$"]
+
+
 @pytest.mark.parametrize(("values", "limits"), [([1e-3, 5e-3], (0.0, 5.6e-3)), ([-3.0, 2.0], (-3.36, 2.24))])
 def test_the_axis_of_a_curve_is_that_of_its_values(values, limits) -> None:
     """Small values lay on a line at the bottom of an axis to 0.11; negative ones, of a search, were left out."""

@@ -91,11 +91,11 @@ def draw(dataset: xarray.Dataset) -> Figure:
     if top > 1.0 and name == PEAK:
         axes.axhline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
     axes.set_ylim(low, top if top > low else 0.1)
-    scale_axes(axes, is_log(x))
     axes.set_xlabel(axis_label(dataset, axis))
     axes.set_ylabel(variable_label(PEAK) if name == PEAK else found_label(dataset, name))
     if rows:
         _strip(grid[0], x, rows, missing)
+    scale_axes(axes, is_log(x))
     notes = [selection_note(len(shown), total, "curves"), _islands(dataset, name)]
     headline(figure, title_of(dataset), "; ".join(filter(None, notes)), over=axes)
     if len(shown) > 1:

@@ -248,11 +248,15 @@ def is_log(values: Array) -> bool:
 def scale_axes(axes: Axes, x_log: bool, y_log: bool = False) -> None:
     """Logarithmic axes with plain numbers on them, or powers of ten."""
     plain: Any = FuncFormatter(lambda value, _: number_words(value))
-    for log, axis, set_scale in ((x_log, axes.xaxis, axes.set_xscale), (y_log, axes.yaxis, axes.set_yscale)):
+    for log, axis, set_scale, shared in (
+        (x_log, axes.xaxis, axes.set_xscale, axes.get_shared_x_axes()),
+        (y_log, axes.yaxis, axes.set_yscale, axes.get_shared_y_axes()),
+    ):
         if log:
             set_scale("log")
-            low, high = axis.get_data_interval()
-            low = max(low, axis.get_minpos())  # what is 0 has no place
+            every = [getattr(each, f"{axis.axis_name}axis") for each in shared.get_siblings(axes)]
+            low = min(each.get_minpos() for each in every)  # what is 0 has no place
+            high = max(each.get_data_interval()[1] for each in every)
             decades = np.log10(high / low) if low < high else 0.0  # where nothing is drawn low is inf
             short = decades < 1.0 or not any("times" in number_words(5.0 * end) for end in (low, high))
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 and short else (1.0,)))
