@@ -158,6 +158,18 @@ def test_part_of_a_suite_is_no_suite() -> None:
     assert asked_of(suite, select={"omega_p": 4})[0][0] == "curve"
 
 
+@pytest.mark.parametrize(("width", "rows"), [(90, [0, 1]), (180, [0, 0])])
+def test_panels_are_counted_as_they_are_read(width: float, rows: list[int]) -> None:
+    """The spectrum, beside or below the motion, was panel (a), and below it the first row of labels."""
+    pulse = {"shape": "sine", "a_p": 4.0, "T_p": 0.5}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"pulse": pulse}}
+    figure = rockcli.plot(rockcli.run({"case": case}), "motion", width=width, letters=True, labels={"y1": "first"})
+    spectrum, ground = figure.axes
+    assert [ground.texts[0].get_text(), spectrum.texts[0].get_text()] == ["(a)", "(b)"]
+    assert ground.get_ylabel() == "first"
+    assert (spectrum.get_ylabel() == "first") == (rows[1] == 0)
+
+
 def test_labels_limits_and_letters(sizes: xarray.Dataset) -> None:
     drawn = rockcli.plot(
         sizes,

@@ -47,11 +47,19 @@ def apply_look(figure: Figure, look: Look, kind: str) -> None:
 def _panels(figure: Figure) -> list[Axes]:
     """The axes that stand in a grid, without scales of colour and second axes over others."""
     found: dict[Any, Axes] = {}
+    order = []
+    grids: list[Any] = []
     for axes in figure.axes:
         spec = axes.get_subplotspec()
-        if spec is not None and not hasattr(axes, "_colorbar"):
-            found.setdefault((id(spec.get_gridspec()), spec.num1), axes)
-    return list(found.values())
+        if (
+            spec is not None
+            and not hasattr(axes, "_colorbar")
+            and (key := (spec.get_gridspec(), spec.num1)) not in found
+        ):
+            found[key] = axes
+            grids += [key[0]] * (key[0] not in grids)
+            order.append((grids.index(key[0]), spec.rowspan.start, spec.colspan.start, key))
+    return [found[place[-1]] for place in sorted(order, key=lambda place: place[:3])]  # as read, not as made
 
 
 def _rows(panels: list[Axes]) -> list[list[Axes]]:
