@@ -341,6 +341,17 @@ def test_notes_and_legends_of_a_suite_that_stays_at_rest_are_of_what_is_drawn():
     assert figures.figure("ida", fallen).get_label().endswith("overturned cases leave to the right")
 
 
+@pytest.mark.parametrize(("b", "levels"), [(0.2, [0.2, -0.2]), ([0.2, 0.3], [0.2, -0.3])])
+def test_an_ida_over_both_signs_marks_uplift_to_both_sides(b, levels):
+    """Half sines to the right lift a body about its left edge, those turned round about its right one."""
+    pulse = {"shape": "half_sine", "a_p": 4.0, "T_p": 0.5}
+    case = {"block": {"h": 1.0, "b": b}, "motion": {"pulse": pulse}}
+    vary = {"motion.pulse.T_p": [0.3, 0.4, 0.5], "motion.pulse.a_p": [-6.0, -4.0, -2.0, 2.0, 4.0, 6.0]}
+    (axes,) = figures.figure("ida", rockcli.run({"case": case, "vary": vary, "over": "T_p"})).axes
+    dotted = [line.get_ydata()[0] for line in axes.lines if line.get_color() == "black"]
+    np.testing.assert_allclose(dotted, levels)
+
+
 def test_ida_of_bodies_that_slide_on_for_ever():
     """No friction stops them: all slides are infinite, and the figure ended in an error of the program."""
     pulse = {"shape": "half_sine", "a_p": 1.0, "omega_p": 6.0}

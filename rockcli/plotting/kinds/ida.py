@@ -186,14 +186,15 @@ def _uplift(axes: Axes, part: xarray.Dataset, along: str, top: float) -> bool:
         if "pga_uplift" not in part.variables:
             return False
         lifts = part["pga_uplift"]
-        if along in lifts.dims:
-            lifts = lifts.isel({along: np.flatnonzero(part[along].values > 0.0)})
-    level = np.unique(lifts.values)
-    if not level.size or not np.ptp(level) <= 1e-9 * level[0]:
-        return False
-    shown = float(level[0]) / shown_unit(part, along)[0]
-    axes.axhline(shown, zorder=0, **LIFTS)
-    return shown <= top
+    found = False
+    for sign in (1.0, -1.0):  # amplitudes may have one
+        rows = np.flatnonzero(sign * part[along].values > 0.0)
+        level = np.unique((lifts.isel({along: rows}) if along in lifts.dims else lifts).values)
+        if rows.size and level.size and np.ptp(level) <= 1e-9 * level[0]:
+            shown = sign * float(level[0]) / shown_unit(part, along)[0]
+            axes.axhline(shown, zorder=0, **LIFTS)
+            found |= shown <= top
+    return found
 
 
 def _bottom(dataset: xarray.Dataset, suite: Suite, intensity: Array, peak: str) -> float:
