@@ -436,3 +436,11 @@ def test_many_curves_of_samples_and_spectra_need_no_colours(tmp_path, monkeypatc
         ticks = [tick.label1.get_text() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
         assert "1" in ticks
         assert len(ticks) > 2
+
+
+def test_a_dollar_in_a_name_takes_the_room_of_a_letter():
+    figure = style.new_figure(90 / 25.4, 2.0)
+    names = [r"100 % of \$5", r"a \$ b \$ c \$ d", "{brace}"]
+    with rc_context(style.RC):
+        style.legend_below(figure, [Line2D([], [], label=name) for name in names])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == names

@@ -241,7 +241,7 @@ _UNIT, _JOINED = re.compile(r" (?== )|(?<= =) |(?<=\d) (?=(?:g|mm?|s|rad|Hz|m/sÂ
 """Blanks at which a line does not end, and what stands for them."""
 
 
-_MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$.*?(?<!\\)\$"), 0xE000
+_MATHEMATICS, _PRIVATE = re.compile(r"\\\$|\$.*?(?<!\\)\$"), 0xE000
 """What stands between dollars, and the first letter of those that no text has, which stand for it."""
 
 
@@ -270,11 +270,17 @@ def trace_title(axes: Axes, words: str, width: float) -> None:
 
 def _in_lines(words: str, columns: int) -> str:
     """Words in lines of at most so many letters that are seen; mathematics stays whole."""
+    shown, pieces = _as_seen(words)
+    lines = "\n".join(wrapped(shown, max([columns, *map(shown.count, pieces)])))
+    return re.sub(r"([\ue000-\uf8ff])\1*", lambda found: pieces.get(found[1], found[0]), lines)
+
+
+def _as_seen(words: str) -> tuple[str, dict[str, str]]:
+    """Words as long as they are seen, with letters instead of mathematics and dollars, and what these stand for."""
     pieces = {chr(_PRIVATE + i): piece for i, piece in enumerate(_MATHEMATICS.findall(words))}
     for letter, piece in pieces.items():
-        words = words.replace(piece, letter * len(_seen(piece)), 1)
-    lines = "\n".join(wrapped(words, max([columns, *map(words.count, pieces)])))
-    return re.sub(r"([\ue000-\uf8ff])\1*", lambda found: pieces.get(found[1], found[0]), lines)
+        words = words.replace(piece, letter * max(len(_seen(piece)), 1), 1)
+    return words, pieces
 
 
 def _seen(words: str) -> str:
@@ -297,7 +303,7 @@ def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **sty
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     rows = -(-len(handles) // most)
     words = [str(handle.get_label()) for handle in handles]
-    letters = max(len(_seen(each)) for each in words)
+    letters = max(len(_as_seen(each)[0]) for each in words)
     while True:
         columns = -(-len(handles) // rows)
         how: dict[str, Any] = {"columnspacing": 1.4, **style, "ncols": columns}
