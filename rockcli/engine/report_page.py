@@ -13,6 +13,7 @@ from rockcli.analysis.suites.words import why_no_curve
 from rockcli.errors import StudyError
 from rockcli.scene.axis_path import axis_path
 from rockcli.scene.limit_states import OVERTURNED
+from rockcli.scene.units import written
 from rockcli.scene.variables import HAZARD, INPUT, LIMIT, MEASURE, PEAK
 from rockcli.storage import netcdf
 from rockcli.storage.atomic import write_text
@@ -91,6 +92,8 @@ _ROWS_SHOWN = 1000
 
 def _suite_tables(dataset: xarray.Dataset, contents: Contents) -> list[Table]:
     """What the suite comes to, as `rock table --of` has it, accelerations in g."""
+    from rockcli.plotting.page.facts import name_of
+
     found: list[Table] = []
     words = units_of(contents)
     for of, (title, wanted) in _WANTED.items():
@@ -100,14 +103,16 @@ def _suite_tables(dataset: xarray.Dataset, contents: Contents) -> list[Table]:
             continue
         (block,) = every.blocks(max(every.size, 1))
         bare = {column.head.partition(" [")[0]: column for column in block}
-        about = [name for name in bare if name in (*str(dataset.attrs["axes"]).split(), LIMIT, HAZARD)]
+        axes = str(dataset.attrs["axes"]).split()
+        about = [name for name in bare if name in (*axes, LIMIT, HAZARD)]
         said = {*bare[CURVE].values} if CURVE in bare else set()
         none = [status for status in WHY_NOT if STATUS[status] in said]
         heads, columns = [], []
         for name in (*about, *(name for name in wanted if name in bare and (none or name != CURVE))):
             divisor, unit = words.of(bare[name].head.partition(" [")[2].rstrip("]"))
             values = bare[name].values[:_ROWS_SHOWN].tolist()
-            heads.append(_said(name) + (f" [{unit}]" if unit else ""))
+            called = name_of(dataset, name) if name in axes else _said(name)
+            heads.append(called + (f" [{written(unit)}]" if unit else ""))
             columns.append([_cell(v, divisor, name) for v in values])
         notes = [f"{_curve(STATUS[status])}: {why_no_curve(contents, status)}" for status in none]
         if every.size > _ROWS_SHOWN:
@@ -135,8 +140,6 @@ def _curve(status: str) -> str:
 _SAID = {
     "fragility_status": "curve",
     "fragility_second": "at a second intensity of",
-    "motion_record": "",
-    "motion_pulse": "",
     "fragility_": "",
     "_ci_low": ", lower 95 %",
     "_ci_high": ", upper 95 %",
@@ -148,7 +151,6 @@ _SAID = {
     "n_answered": "members with an answer",
     "p_overturned": "probability of overturning",
     "beta_total": "beta",
-    "pga": "PGA",
 }
 """What heads of tables are called on a page."""
 

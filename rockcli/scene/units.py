@@ -22,6 +22,7 @@ _WRITTEN = {
     "m2 s-2": "m²/s²",
     "kg m-3": "kg/m³",
     "N m-3": "N/m³",
+    "year-1": "1/year",
 }
 """Units of datasets that people write otherwise."""
 

@@ -447,6 +447,25 @@ def test_tables_of_the_suite_and_the_rules(tmp_path: Path) -> None:
     assert "<td>west</td><td>1885</td><td>100</td>" in words
 
 
+def test_tables_of_the_suite_name_axes_as_the_page_does(tmp_path: Path) -> None:
+    """They had `block R [m]`, the PGA of the ground as if it were that of what arrives, and units as `year-1`."""
+    values = (np.sin(np.linspace(0.0, 6.0 * np.pi, 200)) * np.linspace(1.0, 0.1, 200)).tolist()
+    record = {"values": values, "dt": 0.01, "units": "g"}
+    case = {"block": {"R": 1.0, "tan_alpha": 0.2}}
+    case["motion"] = {"record": record, "through": [{"T": 0.2, "zeta": 0.05}]}
+    vary = {
+        "motion.record": {"one": record, "two": record | {"dt": 0.02}},
+        "motion.record.pga": {"from": "0.1*g", "to": "2*g", "n": 5},
+        "block.R": [0.5, 1.0],
+    }
+    hazard = {"intensity": ["0.05*g", "0.5*g", "3*g"], "rate": [1e-2, 1e-4, 1e-7]}
+    over = {"axis": "record", "intensity": "ground_pga"}
+    data = rockcli.run({"case": case, "vary": vary, "over": over, "hazard": hazard, "save": {"histories": False}})
+    words = rockcli.report(data, tmp_path / "a.html").read_text(encoding="utf-8")
+    for head in ("R [m]", "PGA of the ground [g]", "annual rate [1/year]"):
+        assert f"<th>{head}</th>" in words
+
+
 def test_the_page_says_of_which_second_intensity_its_medians_are(tmp_path: Path) -> None:
     record = {"file": "synthetic_rock_m65.AT2", "pga": 1.0}
     axes = {
