@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from rockcli.scene.backends import AUTOMATIC, BACKENDS, EVENT, automatic
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.expressions import ExpressionError, parse
@@ -230,7 +232,8 @@ def _said(forms: dict[Any, Sequence[Setting]]) -> Iterator[Path]:
 def _values(variation: Variation, path: Path) -> Iterator[Any]:
     """What the points of an axis say at a path."""
     if path in (variation.columns or ()):
-        yield from (variation.columns or {})[path].tolist()
+        values = (variation.columns or {})[path]
+        yield from values[np.isfinite(values)].tolist()
         return
     for point in variation.points():
         yield from (value for one, value in leaves(overlaid({}, point)) if one == path)
@@ -240,7 +243,7 @@ def _nothing_left(variation: Variation, forms: int, lost: dict[Any, dict[Path, l
     others = " and ".join(dict.fromkeys(axis for by in lost.values() for axes in by.values() for axis in axes))
     whose = f"the axis {variation.axis.path}"
     if len(lost) < forms:
-        points = zip(variation.axis.values, variation.points(), strict=True)
+        points = zip(variation.axis.values, variation.settings, strict=True)
         labels = [repr(value) for value, point in points if form(point) in lost]
         more = f" and {len(labels) - _LABELS} more" if len(labels) > _LABELS else ""
         whose = f"{', '.join(labels[:_LABELS])}{more} of {whose}"

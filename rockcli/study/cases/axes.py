@@ -104,7 +104,9 @@ def read_axes(
     total = float(np.prod([float(v.size) for v in variations]))
     if total > MAX_CASES:
         raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
-    return [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+    variations = [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
+    of_cells = names_in([value for v in variations for point in v.points() for _, value, _ in point])
+    return [replace(v, columns=None) if v.settings and v.axis.name in of_cells else v for v in variations]
 
 
 def _columns_in_numbers(study: Map, variations: list[Variation]) -> list[Variation]:
@@ -200,6 +202,11 @@ class _Reader:
     def of_symbols(self) -> bool:
         """Whether expressions of other axes and of the case may speak of what the axis changes."""
         return self.path[:2] in _SYMBOL_PATHS or self.path[0] == "let" or self.path == ("case",)
+
+    @property
+    def fills_in(self) -> bool:
+        """Whether names of files in the study may have its labels filled in, so that each point has its own."""
+        return bool({*dimension_names([self.text]), self.text.replace(".", "_")} & names_in(self.study))
 
     def of_g_alone(self, expression: Expression) -> bool:
         """Whether an expression speaks of nothing of the case but g, which is a number there."""
@@ -345,24 +352,34 @@ class _Reader:
                     f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
                 )
         axis = Axis(self.text, self.text, tuple(labels), False, files=files, given=given)
-        columns = self.columns(settings)
-        mappings = any(isinstance(value, Map) for _, value, _ in settings[0])
-        return Variation(axis, self.path, () if columns and not mappings else tuple(settings), columns, where, table)
+        columns, first_alike, words = (None, None, True) if self.fills_in else self.columns(settings)
+        kept = () if columns and first_alike is None and not words else tuple(settings)
+        return Variation(axis, self.path, kept, columns, where, table, first_alike=first_alike)
 
-    def columns(self, settings: list[tuple[Setting, ...]]) -> dict[Path, NDArray[np.float64]] | None:
-        """The settings as columns of numbers, if every point sets the same numbers that may differ in a batch."""
-        paths = sorted(path for path, _, _ in numbers_of(settings[0]))
-        if not paths or not all(varies_in_batch(path) for path in paths):
-            return None
-        rows = []
-        for point in settings:
-            said = {path: self.as_number(path, value) for path, value, _ in numbers_of(point)}
-            if sorted(said) != paths:
-                return None
-            if not all(type(value) in (int, float) and is_finite(value) for value in said.values()):
-                return None
-            rows.append(said)
-        return {path: np.array([float(said[path]) for said in rows]) for path, _, _ in numbers_of(settings[0])}
+    def columns(
+        self, settings: list[tuple[Setting, ...]]
+    ) -> tuple[dict[Path, NDArray[np.float64]] | None, NDArray[np.int64] | None, bool]:
+        """`columns` and `first_alike` of a `Variation`, and whether points say more than numbers: words, mappings."""
+        rows: list[dict[Path, float]] = []
+        first: dict[Any, int] = {}
+        first_alike = np.empty(len(settings), dtype=np.int64)
+        words = False
+        for i, point in enumerate(settings):
+            numbers, others = {}, []
+            for path, value, _ in numbers_of(point):
+                number = self.as_number(path, value)
+                if varies_in_batch(path) and type(number) in (int, float) and is_finite(number):
+                    numbers[path] = float(number)
+                else:
+                    others.append((path, repr(value)))
+            rows.append(numbers)
+            first_alike[i] = first.setdefault((tuple(sorted(numbers)), tuple(sorted(others))), i)
+            words = words or bool(others) or any(isinstance(value, Map) for _, value, _ in point)
+        paths = dict.fromkeys(path for i in first.values() for path in rows[i])
+        if not paths or 1 < len(first) == len(settings):
+            return None, None, words
+        columns = {path: np.array([row.get(path, np.nan) for row in rows]) for path in paths}
+        return columns, None if len(first) == 1 else first_alike, words
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""

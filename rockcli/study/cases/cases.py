@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -23,7 +23,7 @@ from rockcli.study.cases.file_names import filled_in, names_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
-from rockcli.study.document.overlay import Setting, overlaid
+from rockcli.study.document.overlay import overlaid
 from rockcli.study.document.tree import Keys, Map, Source, Where
 from rockcli.study.schema import CasePart
 from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Index
@@ -65,8 +65,8 @@ class Cases:
 
     @property
     def structural(self) -> list[int]:
-        """Axes that need a batch of their own for every point."""
-        return [i for i, v in enumerate(self.variations) if v.columns is None]
+        """Axes whose points need several batches."""
+        return [i for i, v in enumerate(self.variations) if v.structural]
 
     def batches(self, indices: Index) -> Iterator[tuple[Index, Batch]]:
         """Yield (flat indices, batch); a batch holds all the cases given that share every tag.
@@ -168,12 +168,13 @@ class Cases:
         if not structural:
             yield indices, (), dict(enumerate(points))
             return
+        first = {i: self.variations[i].batch_of(points[i]) for i in structural}
         key = np.zeros(len(indices), dtype=np.int64)
         if apart:
-            key = np.ravel_multi_index([points[i] for i in apart], [self.shape[i] for i in apart])
+            key = np.ravel_multi_index([first[i] for i in apart], [self.shape[i] for i in apart])
         order = np.argsort(key, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
-            combination = tuple(int(points[i][rows[0]]) for i in structural)
+            combination = tuple(int(first[i][rows[0]]) for i in structural)
             yield indices[rows], combination, {i: p[rows] for i, p in enumerate(points)}
 
     def numbers(self, combination: tuple[int, ...], points: Points, n: int, suite: Motions | None = None) -> Numbers:
@@ -203,12 +204,7 @@ class Cases:
         return self._checked[combination]
 
     def _overlaid(self, chosen: dict[int, int]) -> Map:
-        points: list[Sequence[Setting]] = []
-        for axis, variation in enumerate(self.variations):
-            if variation.columns is None:
-                points.append(variation.settings[chosen[axis]])
-            else:
-                points.append(variation.varied(axis))
+        points = [variation.varied(axis, chosen.get(axis, 0)) for axis, variation in enumerate(self.variations)]
         axes = (v.axis for i, v in enumerate(self.variations) if i in chosen)
         labels = {axis.name: str(axis.values[chosen[i]]) for axis, i in zip(axes, sorted(chosen), strict=True)}
         return filled_in(overlaid(self.study, *points), labels)
@@ -222,7 +218,7 @@ class Cases:
         shape = self.shape
         if int(np.prod(shape, dtype=np.int64)) <= PROBED:
             return np.arange(int(np.prod(shape, dtype=np.int64)))
-        structural = self.structural
+        structural = [i for i, v in enumerate(self.variations) if v.columns is None]
         walked = {i: [0] for i in range(len(shape)) if i not in structural}
         ends = {i: self._ends(i) for i in walked}
         corners = list(product(*(ends[i] for i in walked)))
@@ -244,11 +240,17 @@ class Cases:
         return np.unique(np.ravel_multi_index(tuple(points.reshape(len(shape), -1)), shape))
 
     def _ends(self, axis: int) -> list[int]:
-        columns = self.variations[axis].columns
-        assert columns is not None
-        ends = {0}
-        for values in columns.values():
-            ends |= {int(np.argmin(values)), int(np.argmax(values))}
+        """Points of an axis with columns where one of these is smallest or largest, of all that are in one batch."""
+        variation = self.variations[axis]
+        assert variation.columns is not None
+        first = variation.batch_of(np.arange(variation.size))
+        order = np.argsort(first, kind="stable")
+        ends = set()
+        for points in np.split(order, np.flatnonzero(np.diff(first[order])) + 1):
+            ends.add(int(points[0]))
+            for values in (of[points] for of in variation.columns.values()):
+                if np.isfinite(values[0]):
+                    ends |= {int(points[np.argmin(values)]), int(points[np.argmax(values)])}
         return sorted(ends)
 
     def evaluate(self, text: str) -> float:

@@ -24,9 +24,11 @@ class Variation:
         axis: as the dataset has it.
         path: of the axis from the top of a study.
         settings: per point, what is put where (several settings for `case` and for a table); none where `columns`
-            say all of it, as they do but for points that are mappings.
-        columns: path -> number of every point, for an axis whose points differ only in numbers that may differ
-            within a batch; None for others.
+            say all of it, as they do but for points that are mappings or say words.
+        columns: path -> number of every point (NaN: not said), for an axis of which some points differ only in numbers
+            that may differ within a batch; None for others.
+        first_alike: the first point that a point differs from in no more than its numbers, (n,); None where that is the
+            same for all, or without columns.
         where: place of every point in the study file.
         table: name of the file the axis was read from; None = none.
         find: `overturning` for a range that is searched and adds no dimension, else None.
@@ -41,6 +43,18 @@ class Variation:
     table: str | None = None
     find: str | None = None
     sampled: bool = False
+    first_alike: NDArray[np.int64] | None = None
+
+    @property
+    def structural(self) -> bool:
+        """Whether its points need several batches."""
+        return self.columns is None or self.first_alike is not None
+
+    def batch_of(self, points: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The first point with which each of these is in a batch, as far as this axis goes."""
+        if self.columns is None:
+            return points
+        return np.zeros_like(points) if self.first_alike is None else self.first_alike[points]
 
     @property
     def size(self) -> int:
@@ -65,15 +79,18 @@ class Variation:
         if self.columns is None:
             return self.settings
         if self.settings:
-            return self.settings[:1]
+            first = (0,) if self.first_alike is None else np.unique(self.first_alike).tolist()
+            return tuple(self.settings[point] for point in first)
         return (tuple((path, values[0], self.where(0)) for path, values in self.columns.items()),)
 
-    def varied(self, axis: int) -> tuple[Setting, ...]:
-        """What the points of this axis, the one at a place among all, put into a case: `Varied` for their columns."""
-        assert self.columns is not None
-        numbers = {path: Varied.of(axis, k, of[0]) for k, (path, of) in enumerate(self.columns.items())}
+    def varied(self, axis: int, point: int) -> tuple[Setting, ...]:
+        """What a point of this axis, the one at a place among all, puts into a case: `Varied` for its columns."""
+        if self.columns is None:
+            return self.settings[point]
+        columns = enumerate(self.columns.items())
+        numbers = {path: Varied.of(axis, k, of[point]) for k, (path, of) in columns if np.isfinite(of[point])}
         if self.settings:
-            return tuple((path, _replaced(path, value, numbers), where) for path, value, where in self.settings[0])
+            return tuple((path, _replaced(path, value, numbers), where) for path, value, where in self.settings[point])
         return tuple((path, number, self.where(0)) for path, number in numbers.items())
 
     def place(self, column: int, point: int) -> Where:
