@@ -164,6 +164,20 @@ def test_islands_and_missing_answers():
     assert list(again.fields) == list(contents.fields)
 
 
+def test_a_median_that_answers_are_missing_of_is_told_with_both_ends():
+    """No strong motion has an answer: if bodies remain stable under all of them, the shares fall and have no curve."""
+    outcome = np.ones((5, 16))
+    outcome[0, 6], outcome[:2, 7] = 3, 3
+    outcome[:, 8:] = -1
+    peak = np.where(outcome >= 2, np.inf, np.where(outcome < 0, np.nan, 0.3))
+    contents, _ = handmade(outcome, peak)
+    told, least, most = (contents.values(f"fragility_median{end}")[-1] for end in ("", "_low", "_high"))
+    assert least < told
+    assert np.isnan(most)
+    said = next(one for one in json.loads(contents.attrs["warnings"]) if "have no answer" in one)
+    assert f"p_overturned would be 0 or 1, the median of overturning none or {least / G:.4g} g (where most)" in said
+
+
 def test_members_count_by_the_share_of_their_runs():
     outcome = np.ones((5, 16))
     outcome[:, 8:] = 3

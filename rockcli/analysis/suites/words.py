@@ -173,13 +173,17 @@ def _bracket(contents: Contents) -> str:
     widest = int(np.argmax(high - low))
     said = f"p_overturned would be {low[widest]:.3g} or {high[widest]:.3g}"
     if "fragility_median" in contents.fields:
-        least, most = (contents.values(f"fragility_median_{end}")[..., -1].ravel() for end in ("low", "high"))
-        apart = np.abs(np.log(most / least))
-        if np.isfinite(apart).any():
-            worst = int(np.nanargmax(np.where(np.isfinite(apart), apart, np.nan)))
-            divisor, unit = units_of(contents).of(str(contents.fields["fragility_median"].attrs["units"]))
-            ends = f"{most[worst] / divisor:.4g} or {least[worst] / divisor:.4g}"
-            said += f", the median of overturning {ends}{unit_words(unit)}"
+        told, least, most = (contents.values(f"fragility_median{end}")[..., -1] for end in ("", "_low", "_high"))
+        # an end without a curve leaves a median that is told open on that side
+        apart = np.where(np.isfinite(told), np.nan_to_num(np.abs(np.log(most / least)), nan=np.inf), -1.0)
+        worst = np.unravel_index(int(np.argmax(apart)), apart.shape)
+        if apart[worst] >= 0.0:
+            units = units_of(contents)
+            divisor, unit = units.of(str(contents.fields["fragility_median"].attrs["units"]))
+            dims = contents.fields["fragility_median"].dims[:-1]
+            of = f" at {place(contents, dims, worst, units)}" if apart.size > 1 else ""
+            ends = " or ".join(f"{end[worst] / divisor:.4g}" if end[worst] > 0.0 else "none" for end in (most, least))
+            said += f", the median of overturning{of} {ends}{unit_words(unit)}"
     return said if low.size == 1 else f"{said} (where most)"
 
 
