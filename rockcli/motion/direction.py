@@ -70,8 +70,11 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
     else:
         values = c * one.values + s * two.values
     both = f"{one.sha256} {two.sha256} {angle!r}"
-    steps = [f"{motion.name}: {sentence}" for motion in (one, two) for sentence in motion.processing]
-    direction = f"taken in the direction of the angle from {one.name} towards {two.name}"
+    of_one_file = one.name == two.name
+    names = [f"{motion.name} {motion.component}".rstrip() if of_one_file else motion.name for motion in (one, two)]
+    called = list(zip(names, (one, two), strict=True))
+    steps = [f"{name}: {sentence}" for name, motion in called for sentence in motion.processing]
+    direction = f"taken in the direction of the angle from {' towards '.join(names)}"
     return replace(
         one,
         values=values,
@@ -79,7 +82,7 @@ def in_direction(one: Motion, two: Motion, angle: float) -> Motion:
         sha256=hashlib.sha256(both.encode()).hexdigest(),
         processing=(*steps, direction),
         warnings=(
-            *(f"{motion.name}: {sentence}" for motion in (one, two) for sentence in told_of(motion, horizontal=True)),
+            *(f"{name}: {sentence}" for name, motion in called for sentence in told_of(motion, horizontal=True)),
             *((f"{one.name} {why}",) if (why := not_a_pair(one, two)) else ()),
         ),
         component="",

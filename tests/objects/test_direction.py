@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from rockcli.analysis.direction import with_worst_direction
 from rockcli.cli.main import app
 from rockcli.errors import RecordError, StudyError
 from rockcli.motion.at2 import at2_text
-from rockcli.motion.direction import cosine_and_sine
+from rockcli.motion.direction import cosine_and_sine, in_direction
 from rockcli.motion.motion import Motion
 from rockcli.scene.body.block import housner_eta
 from rockcli.storage.contents import Contents, axis_field, variable_field
@@ -253,6 +254,15 @@ def test_between_them_it_is_the_sum(folder):
     ours = samples(folder, {"file": BOTH, "angle": 0.7})
     np.testing.assert_allclose(ours.values, np.cos(0.7) * one + np.sin(0.7) * two, rtol=0, atol=1e-15)
     assert ours.processing[-1] == "taken in the direction of the angle from h1.csv towards h2.csv"
+
+
+def test_components_of_one_file_are_named():
+    one = Motion(np.ones(3), DT, False, name="both.v2", component="N", processing=("detrended",))
+    ours = in_direction(one, replace(one, component="E", processing=()), 0.7)
+    assert ours.processing == (
+        "both.v2 N: detrended",
+        "taken in the direction of the angle from both.v2 N towards both.v2 E",
+    )
 
 
 def test_exact_quarter_turns():
