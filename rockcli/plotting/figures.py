@@ -191,6 +191,8 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
             chosen.append("map" if mapped else "polar")
         elif curve.telling(dataset):
             chosen.append("curve")
+        elif ranking.telling(dataset):  # many bodies at few strengths
+            chosen.append("ranking")
     elif not numeric and ranking.telling(dataset):
         chosen.append("ranking")
     if not work_precision.without_trade(dataset):

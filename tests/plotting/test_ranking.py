@@ -156,6 +156,15 @@ def test_more_than_a_page_are_the_worst_and_the_note_says_so():
     assert "ranking" in figures.default_kinds(dataset)
 
 
+@pytest.mark.parametrize(("n", "kind"), [(2, "ranking"), (3, "ranking"), (12, "curve")])
+def test_many_bodies_at_few_strengths_are_ranked(n, kind):
+    """More curves than a figure has room for are drawn where they have many points."""
+    widths = {f"w{k}": {"height": 2.0, "width": 0.2 + 0.02 * k} for k in range(9)}
+    a_p = {"from": 0.1 * G, "to": 0.3 * G, "n": n}
+    dataset = rockcli.run(study(vary={"block": widths, "motion.pulse.a_p": a_p}))
+    assert figures.default_kinds(dataset) == (kind,)
+
+
 def test_axis_and_note_are_of_the_rows_shown(monkeypatch):
     """Of bodies that are left out the limits took most of the width, and medians beyond the suite were counted."""
     monkeypatch.setattr(ranking, "_MOST_ROWS", 1)
