@@ -72,27 +72,22 @@ def _edges(value: Any) -> Any:
     return number_or_expression(value)
 
 
-def _eta(value: Any) -> Any:
-    return value if value == HOUSNER else number_or_expression(value)
+def _number_or(word: str) -> BeforeValidator:
+    return BeforeValidator(lambda value: value if value == word else number_or_expression(value))
 
 
-def _direction(value: Any) -> Any:
-    return value if value == WEAKEST else number_or_expression(value)
-
-
-def _pair(value: Any, names: str = "from, to") -> Any:
-    if not isinstance(value, list) or len(value) != 2:
-        shown = repr(list(value)) if isinstance(value, list) and len(repr(value)) < 60 else describe(value)
-        raise ValueError(f"two numbers, [{names}], are expected, not {shown}")
-    return [number_or_expression(item) for item in value]
-
-
-def _numbers(value: Any, names: str) -> Any:
-    """As many numbers as there are names."""
+def _row(names: str) -> BeforeValidator:
+    """That a value is as many numbers as there are names."""
     n = len(names.split(","))
-    if not isinstance(value, list) or len(value) != n:
-        raise ValueError(f"{n} numbers, [{names}], are expected, not {describe(value)}")
-    return [number_or_expression(item) for item in value]
+
+    def numbers(value: Any) -> Any:
+        if not isinstance(value, list) or len(value) != n:
+            short = n == 2 and isinstance(value, list) and len(repr(value)) < 60
+            shown = repr(list(value)) if short else describe(value)
+            raise ValueError(f"{'two' if n == 2 else n} numbers, [{names}], are expected, not {shown}")
+        return [number_or_expression(item) for item in value]
+
+    return BeforeValidator(numbers)
 
 
 def _axes(value: Any) -> Any:
@@ -168,30 +163,22 @@ def _audit(value: Any) -> Any:
 
 
 NUMBER_SCHEMA: dict[str, Any] = {"type": ["number", "string"]}
-PAIR_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA, "minItems": 2, "maxItems": 2}
+
+
+def _numbers_schema(n: int) -> dict[str, Any]:
+    return {"type": "array", "items": NUMBER_SCHEMA, "minItems": n, "maxItems": n}
+
+
+PAIR_SCHEMA = _numbers_schema(2)
 Number = Annotated[Any, BeforeValidator(number_or_expression), WithJsonSchema(NUMBER_SCHEMA)]
-Pair = Annotated[Any, BeforeValidator(_pair), WithJsonSchema(PAIR_SCHEMA)]
-MeanAndSpread = Annotated[
-    Any, BeforeValidator(lambda value: _pair(value, "mean, standard deviation")), WithJsonSchema(PAIR_SCHEMA)
-]
-MedianAndSpread = Annotated[
-    Any,
-    BeforeValidator(lambda value: _pair(value, "median, standard deviation of the logarithm")),
-    WithJsonSchema(PAIR_SCHEMA),
-]
-Span = Annotated[Any, BeforeValidator(lambda value: _pair(value, "lowest, highest")), WithJsonSchema(PAIR_SCHEMA)]
-Point = Annotated[Any, BeforeValidator(lambda value: _pair(value, "x, z")), WithJsonSchema(PAIR_SCHEMA)]
-Site = Annotated[Any, BeforeValidator(lambda value: _pair(value, "longitude, latitude")), WithJsonSchema(PAIR_SCHEMA)]
-Triple = Annotated[
-    Any,
-    BeforeValidator(lambda value: _numbers(value, "lowest, most likely, highest")),
-    WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "minItems": 3, "maxItems": 3}),
-]
-Quadruple = Annotated[
-    Any,
-    BeforeValidator(lambda value: _numbers(value, "a, b, lowest, highest")),
-    WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "minItems": 4, "maxItems": 4}),
-]
+Pair = Annotated[Any, _row("from, to"), WithJsonSchema(PAIR_SCHEMA)]
+MeanAndSpread = Annotated[Any, _row("mean, standard deviation"), WithJsonSchema(PAIR_SCHEMA)]
+MedianAndSpread = Annotated[Any, _row("median, standard deviation of the logarithm"), WithJsonSchema(PAIR_SCHEMA)]
+Span = Annotated[Any, _row("lowest, highest"), WithJsonSchema(PAIR_SCHEMA)]
+Point = Annotated[Any, _row("x, z"), WithJsonSchema(PAIR_SCHEMA)]
+Site = Annotated[Any, _row("longitude, latitude"), WithJsonSchema(PAIR_SCHEMA)]
+Triple = Annotated[Any, _row("lowest, most likely, highest"), WithJsonSchema(_numbers_schema(3))]
+Quadruple = Annotated[Any, _row("a, b, lowest, highest"), WithJsonSchema(_numbers_schema(4))]
 Axes = Annotated[
     Any,
     BeforeValidator(_axes),
@@ -212,8 +199,8 @@ Series = Annotated[
     ),
     WithJsonSchema({"anyOf": [NUMBER_SCHEMA, {"type": "array", "items": NUMBER_SCHEMA, "minItems": 1}]}),
 ]
-Eta = Annotated[Any, BeforeValidator(_eta), WithJsonSchema({"anyOf": [{"const": HOUSNER}, NUMBER_SCHEMA]})]
-Direction = Annotated[Any, BeforeValidator(_direction), WithJsonSchema({"anyOf": [{"const": WEAKEST}, NUMBER_SCHEMA]})]
+Eta = Annotated[Any, _number_or(HOUSNER), WithJsonSchema({"anyOf": [{"const": HOUSNER}, NUMBER_SCHEMA]})]
+Direction = Annotated[Any, _number_or(WEAKEST), WithJsonSchema({"anyOf": [{"const": WEAKEST}, NUMBER_SCHEMA]})]
 Label = Annotated[str, BeforeValidator(_label)]
 Text = Annotated[str, Field(max_length=10_000)]
 Files = Annotated[
