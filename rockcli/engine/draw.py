@@ -140,12 +140,24 @@ def _names(kinds: Iterator[str]) -> list[str]:
 
 def _write(dataset: xarray.Dataset, kind: str, look: Look, target: Path) -> Drawn:
     from rockcli.plotting.common.style import untold
-    from rockcli.plotting.figures import figure, save
+    from rockcli.plotting.figures import figure
 
     drawn = figure(kind, dataset, look)
-    with replacing(target) as scratch:
-        save(drawn, scratch, target.suffix.lower().lstrip("."))
+    write_figure(drawn, target)
     return Drawn(target, untold(drawn))
+
+
+def write_figure(drawn: Figure, path: Path) -> None:
+    """Write a figure whole or not at all, by the ending of the name in the format of it; OutputError where it fails."""
+    from rockcli.plotting.common.style import save
+
+    with replacing(path) as scratch:
+        save(drawn, scratch)
+
+
+def format_of(path: Path) -> str:
+    """What the ending of a name says: `png`."""
+    return path.suffix.lower().lstrip(".")
 
 
 def asked_of(dataset: xarray.Dataset, kinds: Sequence[str] = (), **changed: Any) -> Asked:
@@ -248,7 +260,7 @@ def figure_of(
         StudyError: the dataset cannot be drawn so, or no figure can be written to `path`.
     """
     from rockcli.plotting.common.selection import overlaid, selected
-    from rockcli.plotting.figures import default_kinds, figure, save, why_not
+    from rockcli.plotting.figures import default_kinds, figure, why_not
 
     several: list[xarray.Dataset] = (
         [*dataset] if isinstance(dataset, list | tuple) else [cast("xarray.Dataset", dataset)]
@@ -257,7 +269,7 @@ def figure_of(
         raise StudyError("an empty list: expected one dataset of `rock run` or rockcli.run, or several")
     if not (kind is None or isinstance(kind, str)):
         raise StudyError(f"kind is {kind!r}; expected the name of a kind of plot, as 'histories'")
-    if path is not None and path.suffix.lower().lstrip(".") not in FORMATS:
+    if path is not None and format_of(path) not in FORMATS:
         raise StudyError(f"expected a name that ends in {', '.join('.' + one for one in FORMATS)}", file=path)
     if path is not None:
         check_file(path)
@@ -282,6 +294,5 @@ def figure_of(
         )
     drawn = figure(wanted, one, asked[0][1])
     if path is not None:
-        with replacing(path) as scratch:
-            save(drawn, scratch, path.suffix.lower().lstrip("."))
+        write_figure(drawn, path)
     return drawn

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.engine.draw import FORMATS
+from rockcli.engine.draw import FORMATS, format_of, write_figure
 from rockcli.engine.run import solve
 from rockcli.errors import StudyError
 from rockcli.scene.counted import counted
 from rockcli.scene.response import overturned
 from rockcli.solvers.fit import Fit, least_squares_fit
-from rockcli.storage.atomic import replacing, write_text
+from rockcli.storage.atomic import write_text
 from rockcli.storage.places import check_file
 from rockcli.study.document.values import reads_as_number
 from rockcli.study.open import open_study
@@ -348,15 +348,11 @@ def check_fit_place(path: Path, measured: Path) -> None:
     Raises:
         StudyError: its name ends as no format does, nothing can be written there, or what was measured would be lost.
     """
-    if _ending(path) not in ("csv", *FORMATS):
+    if format_of(path) not in ("csv", *FORMATS):
         raise StudyError(f"--out {path}: expected a name that ends in .csv, .{', .'.join(FORMATS)}")
     check_file(path)
     if path.exists() and measured.exists() and path.samefile(measured):
         raise StudyError("is what was measured, and would be lost: give another name", file=path)
-
-
-def _ending(path: Path) -> str:
-    return path.suffix.lower().lstrip(".")
 
 
 def write_fit(measured: Measured, found: Identified, path: Path) -> None:
@@ -365,19 +361,17 @@ def write_fit(measured: Measured, found: Identified, path: Path) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    ending = _ending(path)
     head = "swing" if measured.time is None else "time [s]"
     along = np.arange(found.points, dtype=float) if measured.time is None else measured.time
-    if ending == "csv":
+    if format_of(path) == "csv":
         rows = zip(along.tolist(), measured.theta.tolist(), found.fitted.tolist(), strict=True)
         lines = [f"{head},measured [rad],fitted [rad]", *(",".join(map(repr, row)) for row in rows)]
         write_text(path, "\n".join(lines) + "\n")
         return
-    from rockcli.plotting import figures, fit
+    from rockcli.plotting.fit import figure
 
-    drawn = fit.figure(along, head, measured.theta, found.fitted, "" if measured.file is None else measured.file.stem)
-    with replacing(path) as scratch:
-        figures.save(drawn, scratch, ending)
+    title = "" if measured.file is None else measured.file.stem
+    write_figure(figure(along, head, measured.theta, found.fitted, title), path)
 
 
 def _rotations(source: Path | dict[str, Any], values: list[dict[str, float]], time: Array) -> Array:

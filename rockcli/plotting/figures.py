@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 
 from rockcli.errors import StudyError
@@ -228,9 +226,3 @@ def figure(kind: str, dataset: xarray.Dataset, look: Look | None = None) -> Figu
         drawn = KINDS[kind].draw(part)
         apply_look(drawn, look, kind)
         return drawn
-
-
-def save(drawn: Figure, path: Path, plot_format: str) -> None:
-    """Write a figure as png, pdf or svg."""
-    with mpl.rc_context(style.RC), style.no_word_of_glyphs():
-        style.save(drawn, path, plot_format)

@@ -56,7 +56,7 @@ def draw(
         axes.set_ylabel(r"$S_a$(5 %) [g]")
         legend_below(figure, shown, 2)
         headline(figure, title)
-        save(figure, path, path.suffix.lower().lstrip("."))
+        save(figure, path)
 
 
 def _label(name: str) -> str:

@@ -11,6 +11,7 @@ import pytest
 import rockcli
 from rockcli.analysis.boundaries import KINDS, curves_of
 from rockcli.plotting import figures
+from rockcli.plotting.common.style import save
 from rockcli.plotting.kinds.boundaries import smoothed
 from rockcli.scene.batch import Batch
 from rockcli.scene.response import FAILED, Response
@@ -119,7 +120,7 @@ def test_a_table_of_points(dataset):
 def test_a_figure_of_lines(dataset, tmp_path: Path):
     drawn = figures.figure("boundaries", dataset)
     assert len(drawn.axes[0].lines) == len(set(dataset["boundary_curve"].values))
-    figures.save(drawn, tmp_path / "lines.svg", "svg")
+    save(drawn, tmp_path / "lines.svg")
     assert "after impact" not in figures.why_not("boundaries", dataset)
 
 

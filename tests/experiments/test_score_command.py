@@ -179,7 +179,11 @@ def test_a_table_alone_in_the_terminal_and_as_page_and_figure(rock, experiments,
     assert "logistic: pga, pgv, squares" in page
     assert "data:image/png" in page
     assert rock("score", "runs.csv", *options, "--no-baselines", "--out", "reliability.svg") == 0
-    assert Path("reliability.svg").read_text().startswith("<?xml")
+    drawn = Path("reliability.svg").read_text()
+    assert drawn.startswith("<?xml")
+    assert "runs</text>" in drawn  # words stay words, as in all other figures
+    assert rock("score", "runs.csv", *options, "--no-baselines", "--out", "again.svg") == 0
+    assert Path("again.svg").read_text() == drawn
 
 
 def test_specimens_are_scored_apart(rock, tmp_path, capsys):

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from plotting.column_datasets import columns
 
 from rockcli.plotting import figures
+from rockcli.plotting.common.style import save
 
 
 def rows(figure: Figure) -> list[str]:
@@ -86,5 +87,5 @@ def test_one_model_under_several_motions_is_one_column():
 @pytest.mark.parametrize("plot_format", ["png", "pdf", "svg"])
 def test_it_is_written(plot_format: str, tmp_path: Path):
     path = tmp_path / f"bending.{plot_format}"
-    figures.save(figures.figure("bending", columns()), path, plot_format)
+    save(figures.figure("bending", columns()), path)
     assert path.stat().st_size > 5000

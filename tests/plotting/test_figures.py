@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 import rockcli
 from rockcli.plotting import figures
 from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, unit_in_brackets, variable_label
+from rockcli.plotting.common.style import save
 from rockcli.plotting.kinds.map import is_log, plane
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.paths import UNITS
@@ -83,8 +84,8 @@ def words(figure: Figure) -> str:
 @pytest.mark.parametrize("plot_format", ["png", "pdf", "svg"])
 def test_kinds_and_formats(kind: str, plot_format: str, tmp_path: Path) -> None:
     dataset = histories(3, overturns=True)
-    file = tmp_path / "figure"
-    figures.save(figures.figure(kind, dataset), file, plot_format)
+    file = tmp_path / f"figure.{plot_format}"
+    save(figures.figure(kind, dataset), file)
     head = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[plot_format]
     assert file.read_bytes().startswith(head)
 
@@ -93,10 +94,10 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
     """Wherever in memory its parts come to lie: the layout's solver goes by addresses."""
     dataset, elsewhere, rng = histories(2), [], random.Random(1)
     for name in "abcdef":
-        figures.save(figures.figure("histories", dataset), tmp_path / name, "svg")
+        save(figures.figure("histories", dataset), tmp_path / f"{name}.svg")
         elsewhere = [bytes(rng.randrange(1, 4000)) for _ in range(rng.randrange(20_000))][::2]
     assert elsewhere
-    assert len({(tmp_path / name).read_bytes() for name in "abcdef"}) == 1
+    assert len({(tmp_path / f"{name}.svg").read_bytes() for name in "abcdef"}) == 1
 
 
 def test_a_study_can_ask_for_every_kind_and_for_no_other() -> None:
@@ -235,10 +236,10 @@ def test_accelerations_are_in_the_g_of_the_case() -> None:
 
 def test_letters_the_font_lacks_are_no_warning(tmp_path: Path) -> None:
     """Warnings are errors here."""
-    from rockcli.plotting.figures import figure, save
+    from rockcli.plotting.figures import figure
 
     study = {"name": "far", "title": "地震", "case": {"block": {"R": 2, "tan_alpha": 0.2}, "initial": {"theta": 0.1}}}
-    save(figure("histories", rockcli.run(study)), tmp_path / "h.png", "png")
+    save(figure("histories", rockcli.run(study)), tmp_path / "h.png")
 
 
 def test_what_a_search_found_is_a_curve() -> None:

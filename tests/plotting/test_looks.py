@@ -19,7 +19,8 @@ from rockcli.cli.main import app
 from rockcli.engine.draw import asked_of, draw
 from rockcli.errors import StudyError
 from rockcli.plotting.common.selection import overlaid, place_on, selected
-from rockcli.plotting.figures import figure, save
+from rockcli.plotting.common.style import save
+from rockcli.plotting.figures import figure
 from rockcli.scene.looks import Look, width_of
 from rockcli.storage.netcdf import write
 from rockcli.storage.read import from_xarray
@@ -333,9 +334,10 @@ def test_what_a_figure_without_a_title_leaves_out_is_printed(tmp_path: Path, mon
 
 def test_files_are_the_same_whatever_was_drawn_before(sizes: xarray.Dataset, tmp_path: Path) -> None:
     """A wanted width is that of one figure."""
-    for name, width in (("a", None), ("b", 90.0), ("c", None)):
-        save(figure("phase", sizes, Look(width=width)), tmp_path / name, "png")
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "c").read_bytes() != (tmp_path / "b").read_bytes()
+    a, b, c = (tmp_path / f"{name}.png" for name in "abc")
+    for path, width in ((a, None), (b, 90.0), (c, None)):
+        save(figure("phase", sizes, Look(width=width)), path)
+    assert a.read_bytes() == c.read_bytes() != b.read_bytes()
 
 
 def test_directions_are_a_polar_plot_with_the_worst_marked() -> None:

@@ -13,6 +13,7 @@ from scipy.special import ndtr
 import rockcli
 from rockcli.errors import StudyError
 from rockcli.plotting import figures
+from rockcli.plotting.common.style import save
 from rockcli.plotting.kinds import fragility
 from rockcli.plotting.kinds.ida import fractiles_of
 from rockcli.scene.ground.hazard import hazard_words
@@ -421,9 +422,10 @@ def test_what_cannot_be_drawn_is_refused_in_words(sizes, stripes):
 @pytest.mark.parametrize("plot_format", ["pdf", "svg"])
 def test_the_same_figure_gives_the_same_bytes(stripes, tmp_path, plot_format):
     for kind in ("ida", "fragility"):
-        for name in ("one", "two"):
-            figures.save(figures.figure(kind, stripes), tmp_path / name, plot_format)
-        assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+        one, two = (tmp_path / f"{name}.{plot_format}" for name in ("one", "two"))
+        for path in (one, two):
+            save(figures.figure(kind, stripes), path)
+        assert one.read_bytes() == two.read_bytes()
 
 
 def test_risk_shows_hazard_shares_and_survival():

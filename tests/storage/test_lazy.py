@@ -11,7 +11,8 @@ import xarray
 from rockcli.engine.report_page import write_page, write_page_of
 from rockcli.engine.run import run_study
 from rockcli.errors import StudyError
-from rockcli.plotting.figures import figure, save
+from rockcli.plotting.common.style import save
+from rockcli.plotting.figures import figure
 from rockcli.storage.lazy import open_lazily
 from rockcli.storage.read import open_dataset
 from rockcli.study.open import open_study
@@ -69,7 +70,7 @@ def test_figures_are_the_same_to_the_byte(files: dict[str, Path], tmp_path: Path
     drawn = []
     for opened in (open_lazily, open_dataset):
         try:
-            save(figure(kind, opened(files[study])), tmp_path / "drawn.svg", "svg")
+            save(figure(kind, opened(files[study])), tmp_path / "drawn.svg")
         except StudyError as error:
             drawn.append(error.message.encode())
         else:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockcli.analysis.experiments.scores import NAMES, SENTENCES
+from rockcli.engine.draw import FORMATS, format_of, write_figure
 from rockcli.errors import StudyError
 from rockcli.scene.counted import counted
-from rockcli.storage.atomic import replacing, write_text
+from rockcli.storage.atomic import write_text
 from rockcli.storage.places import check_file
 
 if TYPE_CHECKING:
@@ -18,12 +19,12 @@ if TYPE_CHECKING:
     from rockcli.engine.experiments.score import Report
     from rockcli.plotting.page.scores import Section
 
-PAGES, FIGURES = (".html", ".htm"), (".png", ".pdf", ".svg")
+PAGES = (".html", ".htm")
 
 
 def check_target(path: Path) -> None:
     """`StudyError` for a name that ends otherwise, or a place that cannot be written."""
-    if path.suffix.lower() not in (*PAGES, *FIGURES):
+    if path.suffix.lower() not in PAGES and format_of(path) not in FORMATS:
         raise StudyError(f"ends in {path.suffix!r}; expected .html, .png, .pdf or .svg", file=path)
     check_file(path)
 
@@ -39,12 +40,9 @@ def write(reports: Sequence[Report], path: Path) -> None:
 
         write_text(path, page(path.stem, [section for report in reports for section in _sections(report)]))
         return
-    from rockcli.plotting.common.style import save
-
     for report in reports:
         target = path if len(reports) == 1 else path.with_stem(f"{path.stem}-{report.specimen}")
-        with replacing(target) as scratch:
-            save(_figure(report), scratch, path.suffix.lower().lstrip("."))
+        write_figure(_figure(report), target)
 
 
 def _figure(report: Report) -> Figure:

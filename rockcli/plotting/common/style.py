@@ -326,13 +326,18 @@ def legend_of(figure: Figure, axes: Axes, most: int = 4) -> None:
     legend_below(figure, axes.get_legend_handles_labels()[0], most)
 
 
-def save(figure: Figure, path: Path, plot_format: str) -> None:
-    """Write a figure; the same figure gives the same bytes.  Its title and note are in the file's metadata too."""
-    settle(figure)
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as png, pdf or svg, by the ending of the name; the same figure gives the same bytes.
+
+    Its title and note are in the file's metadata too.
+    """
+    plot_format = path.suffix.lower().lstrip(".")
     title, _, note = str(figure.get_label()).partition("\n")
     named = {"Title": title, _NOTES[plot_format]: note}
     metadata = _UNDATED[plot_format] | {key: words for key, words in named.items() if words}
-    figure.savefig(path, format=plot_format, dpi=DPI, metadata=metadata, **_WRITTEN[plot_format])
+    with mpl.rc_context(RC), no_word_of_glyphs():
+        settle(figure)
+        figure.savefig(path, format=plot_format, dpi=DPI, metadata=metadata, **_WRITTEN[plot_format])
 
 
 def settle(figure: Figure) -> None:
