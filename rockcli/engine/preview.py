@@ -21,6 +21,7 @@ from rockcli.engine.cost import (
     seconds_of_reading,
     seconds_of_rules,
     seconds_of_statistics,
+    seconds_of_tables,
     seconds_per_case,
     share_refined,
 )
@@ -148,7 +149,7 @@ def _preview(study: Study) -> Preview:
         seconds += len(indices) * each + (BATCH if number else 0.0)  # the first is in what cases take
     seconds = seconds / looked_at * study.size * (1.0 if _narrow(study) else share_refined(study))
     seconds += STARTING + seconds_of_reading(batch) * len(study.inputs) + seconds_of_statistics(study)
-    seconds += ARRIVING * sum(arrive.values())
+    seconds += ARRIVING * sum(arrive.values()) + seconds_of_tables(study)
     seconds *= slowness()
     histories = histories_size(study, HISTORIES_AT_MOST).bytes
     said += _proposals(study, seconds)

@@ -125,6 +125,19 @@ def test_bodies_that_are_built_apart_are_counted(monkeypatch: pytest.MonkeyPatch
     assert apart.seconds - together.seconds == pytest.approx(59 * cost.BATCH, rel=0.05)
 
 
+def test_the_cells_of_a_table_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """50 000 rows of five columns took 4.3 s and 247 MB, of which .65 s and 150 MB were told."""
+    monkeypatch.setattr(preview, "slowness", lambda: 1.0)
+    rows = "".join(f"b{i},{1 + i},{5 + i}\n" for i in range(1000))
+    (tmp_path / "t.csv").write_text("body,block.R,motion.pulse.omega_p\n" + rows)
+    table, numbers = (
+        preview.preview(study(top={"vary": vary}))
+        for vary in ({"case": str(tmp_path / "t.csv")}, {"block.R": list(range(1, 1001))})
+    )
+    assert (table.memory - numbers.memory) * 1e6 == pytest.approx(cost.OF_CELL * 2000)
+    assert table.seconds - numbers.seconds == pytest.approx(cost.CELL * 2000, rel=0.05)
+
+
 def test_nothing_is_solved_for_an_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: Any) -> Any:
         raise AssertionError
