@@ -136,11 +136,28 @@ def frame(dataset: xarray.Dataset) -> Found:
     return "equal", "none" if off < 1e-12 else f"{off:.0e}"
 
 
+def sizes(dataset: xarray.Dataset) -> Found:
+    """The amplitudes over alpha g that overturn, larger with the size and smaller with the duration."""
+    found = dataset["times_overturning"].transpose("t1", "block_R").values
+    assert (np.diff(found, axis=1) > 0.0).all()
+    assert (np.diff(found, axis=0) < 0.0).all()
+    p = np.sqrt(0.75 * G / dataset["block_R"].values)
+    off = np.abs(found * -np.expm1(-p * dataset["t1"].values[:, None]) - 1.0).max()
+    return f"{found.min():.3f} to {found.max():.3f}", "none" if off < 1e-6 else f"{off:.0e}"
+
+
 RIGID = "Makris and Roussos 2000"
 SPECTRUM = "Makris and Konstantinidis 2003"
 CYCLOIDS = "Zhang and Makris 2001"
 
 ROWS = (
+    Row(
+        "Housner 1963, the scale effect",
+        "constant acceleration for .15, .3, .6 s, R .5 to 8 m, linearized: over alpha g",
+        "1/(1 - exp(-p t))",
+        "housner-1963",
+        sizes,
+    ),
     Row(
         f"{RIGID}, Fig. 2",
         "half sine of 1 s, b .2 m, h .6 m, linearized",
