@@ -61,6 +61,7 @@ from rockcli.study.unused import (
     overridden_by_options,
     replaced_records,
     rules_without_friction,
+    saved_beside_a_search,
     strengths_left_out,
     unused_symbols,
     unused_tolerances,
@@ -249,6 +250,7 @@ def _ineffective(
         *strengths_left_out(base, variations),
         *overridden_axes(variations),
         *rules_without_friction(base, variations, part.rules),
+        *saved_beside_a_search(tree, variations),
     )
 
 

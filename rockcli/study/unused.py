@@ -96,6 +96,15 @@ def _says_friction(value: Any) -> bool:
     return isinstance(value, dict) and (value.get("mu") is not None or any(map(_says_friction, value.values())))
 
 
+def saved_beside_a_search(study: Map, variations: Iterable[Variation]) -> list[str]:
+    """A sentence where histories or scalars are asked for beside a search, which has none."""
+    if not any(variation.find for variation in variations):
+        return []
+    save = study.get("save") or {}
+    asked = [f"save.{key}" for key in ("histories", "scalars") if save.get(key)]
+    return [f"{key} has no effect: a search (`find`) keeps the values it finds alone" for key in asked]
+
+
 def replaced_records(study: Map, variations: Iterable[Variation]) -> list[str]:
     """A sentence where an axis over whole records drops what the base case says of its record."""
     said = []

@@ -45,6 +45,25 @@ def test_friction_that_nothing_looks_at_is_said(case, who, mu):
     assert said == ([f"block.mu is ignored by {who}, which solves no sliding"] if who and mu is not None else [])
 
 
+@pytest.mark.parametrize(
+    ("save", "keys"),
+    [
+        ({"histories": True, "scalars": ["outcome"]}, ["histories", "scalars"]),
+        ({"histories": {"tan_alpha": 0.1}}, ["histories"]),
+        ({"histories": False, "dt_out": 0.01}, []),
+        (None, []),
+    ],
+)
+def test_what_a_search_does_not_save_is_said(save, keys):
+    searched = {"motion.pulse.a_p": {"from": 1, "to": 9, "n": 3, "find": "overturning"}}
+    vary = {"block.tan_alpha": [0.1, 0.2], **searched}
+    study = {"name": "x", "case": {"block": BLOCK, "motion": {"pulse": PULSE}}, "vary": vary}
+    told = open_study(study | ({} if save is None else {"save": save})).warnings
+    assert list(told) == [
+        f"save.{key} has no effect: a search (`find`) keeps the values it finds alone" for key in keys
+    ]
+
+
 @pytest.mark.parametrize(("backend", "told"), [("auto", True), ("event", True), ("frame", False), ("opensees", False)])
 def test_fibres_that_a_base_does_not_have_are_said(backend, told):
     base = {"law": "winkler", "kw": 1e10, "fibres": 11}
