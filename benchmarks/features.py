@@ -124,6 +124,15 @@ def settings(motion: str, n: int) -> dict[str, Any]:
     return {"block": bodies, **axis(motion, n, motion == RECORD)}
 
 
+def worded(motion: str, n: int) -> dict[str, Any]:
+    """Settings by name that say a word beside numbers, as a table of bodies does in a column."""
+    models = ("rigid", "linearized")
+    bodies = {
+        f"body {j}": {"block.R": 0.5 + 4.5 * j / n, "block.tan_alpha": 0.2, "model": models[j % 2]} for j in range(n)
+    }
+    return {"case": bodies, **axis(motion, n, motion == RECORD)}
+
+
 def heights(motion: str, n: int) -> dict[str, Any]:
     """Of bodies that are given by h and b."""
     axes = plain_axes(motion, n)
@@ -192,6 +201,7 @@ FEATURES = [
     *(Feature(f"model {number}", {"model": number}) for number in "1234"),
     Feature("five models in one study", axes=with_models),
     Feature("bodies by name", axes=settings),
+    Feature("bodies by name, of two models", axes=worded),
     Feature("one amplitude exactly at uplift", axes=at_uplift),
     Feature("suite of records", axes=suite, motions=(RECORD,)),
     Feature("two components, directions", motion=PAIR, axes=directions, motions=(RECORD,)),

@@ -375,10 +375,13 @@ class _Reader:
             rows.append(numbers)
             first_alike[i] = first.setdefault((tuple(sorted(numbers)), tuple(sorted(others))), i)
             words = words or bool(others) or any(isinstance(value, Map) for _, value, _ in point)
-        paths = dict.fromkeys(path for i in first.values() for path in rows[i])
+        paths = list(dict.fromkeys(path for i in first.values() for path in rows[i]))
         if not paths or 1 < len(first) == len(settings):
             return None, None, words
-        columns = {path: np.array([row.get(path, np.nan) for row in rows]) for path in paths}
+        columns = {path: np.full(len(rows), np.nan) for path in paths}
+        for i, row in enumerate(rows):
+            for path, number in row.items():
+                columns[path][i] = number
         return columns, None if len(first) == 1 else first_alike, words
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:

@@ -204,7 +204,8 @@ class Cases:
         return self._checked[combination]
 
     def _overlaid(self, chosen: dict[int, int]) -> Map:
-        points = [variation.varied(axis, chosen.get(axis, 0)) for axis, variation in enumerate(self.variations)]
+        at = dict.fromkeys(range(len(self.variations)), 0) | chosen
+        points = [variation.varied(axis, at[axis]) for axis, variation in enumerate(self.variations)]
         axes = (v.axis for i, v in enumerate(self.variations) if i in chosen)
         labels = {axis.name: str(axis.values[chosen[i]]) for axis, i in zip(axes, sorted(chosen), strict=True)}
         return filled_in(overlaid(self.study, *points), labels)
