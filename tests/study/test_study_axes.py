@@ -558,6 +558,16 @@ class TestBodiesByName:
             (word,) = {rows[i // 2][3] for i in indices}
             np.testing.assert_allclose(batch.theta_0, says[word], rtol=1e-15)
 
+    @pytest.mark.parametrize(("more", "batches"), [({}, 1), ({"g": [9.81, 1.62]}, 3)])
+    def test_strengths_in_g_are_numbers_where_g_is_one(self, more, batches):
+        pulse = {"shape": "sine", "omega_p": 6, "a_p": 1}
+        named = {f"b{i}": {"motion.pulse.a_p": f"{i}*g", "model": "rigid"} for i in (1, 2, 3)}
+        study = study_of({"case": named, **more}, case={"motion": {"pulse": pulse}})
+        assert len(list(study.batches())) == batches
+        a_p = all_cases(study, lambda batch: batch.excitation.horizontal.a_p)
+        gs = more.get("g", [9.81])
+        np.testing.assert_allclose(a_p, [i * g for i in (1, 2, 3) for g in gs], rtol=1e-15)
+
     def test_a_large_study_of_words_alone_is_looked_at_whole(self, monkeypatch):
         """More than 20 000 rows of words, and no axis of numbers, ended with "this is a bug in rock"."""
         monkeypatch.setattr("rockcli.study.cases.cases.PROBED", 2)

@@ -346,7 +346,9 @@ def test_what_is_wrong_in_several_cases_and_pieces_is_told_at_once(tmp_path):
 
 def test_the_same_fault_at_several_lines_is_told_once_with_its_lines(tmp_path):
     """And leaves room for others, however often it is met."""
-    wrong = "".join(f"    n{i}: {{motion: {{record: {{file: bad.csv, pga: {i}*g}}}}}}\n" for i in range(1, 11))
+    wrong = "".join(
+        f"    n{i}: {{motion: {{record: {{file: bad.csv, pga: {i}*g*tan_alpha}}}}}}\n" for i in range(1, 11)
+    )
     (tmp_path / "bad.csv").write_text("0.0;0.1\n0.1;0.2\n")
     vary = f"vary:\n  case:\n{wrong}    last: {{damping.eta: 3}}\n    least: {{damping.eta: 3}}\n  model: [rigid, 1]\n"
     case = "case:\n  block: {height: 2.0, width: 0.5}\n  motion: {pulse: {shape: sine, a_p: 3, T_p: 1}}\n"

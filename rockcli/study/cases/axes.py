@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Any
@@ -100,28 +101,43 @@ def read_axes(
             study, ("case",), f"has a file name with {{{name}}}, which is no axis; {nearest(name, names)}"
         )
     _check_apart(source, study, variations, names)
-    variations = _columns_in_numbers(study, variations)
     total = float(np.prod([float(v.size) for v in variations]))
     if total > MAX_CASES:
         raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
     variations = [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
-    of_cells = names_in([value for v in variations for point in v.points() for _, value, _ in point])
-    return [replace(v, columns=None) if v.settings and v.axis.name in of_cells else v for v in variations]
+    filled = names_in(study) | names_in([value for v in variations for point in v.points() for _, value, _ in point])
+    variations = [replace(v, columns=None) if v.settings and v.axis.name in filled else v for v in variations]
+    g = _constant_g(study, variations)
+    return variations if g is None else [_with_g(v, g, alone=v.axis.name in filled) for v in variations]
 
 
-def _columns_in_numbers(study: Map, variations: list[Variation]) -> list[Variation]:
-    """The axes, with columns of tables whose cells speak of a g that is one number in all cases as numbers."""
+def _constant_g(study: Map, variations: list[Variation]) -> float | None:
+    """The g of all cases, where it is one number."""
     if value_at(study, ("uncertain", "g")) is not None or any(map(_says_g, variations)):
-        return variations
+        return None
     said = study["case"].get("g")
     try:
-        g = float(parse(str(CasePart.model_fields["g"].default if said is None else said)).evaluate(constant))
+        return float(parse(str(CasePart.model_fields["g"].default if said is None else said)).evaluate(constant))
     except ExpressionError:
-        return variations
-    return [
-        replace(v, axis=replace(v.axis, given=tuple(_numbers_with(given, g) or given for given in v.axis.given)))
-        for v in variations
-    ]
+        return None
+
+
+def _with_g(variation: Variation, g: float, *, alone: bool) -> Variation:
+    """An axis with what its points and the columns of its table say in terms of g as numbers.
+
+    `alone`: whether its points need a batch each in any case.
+    """
+    given = tuple(_numbers_with(given, g) or given for given in variation.axis.given)
+    told = replace(variation, axis=replace(variation.axis, given=given))
+    if alone or variation.axis.numeric or not variation.settings:
+        return told
+    columns, first_alike, _ = columns_of(variation.settings, partial(as_number, lookup=_lookup(g)))
+    return replace(told, columns=columns, first_alike=first_alike)
+
+
+def _lookup(g: float) -> Callable[[str], float]:
+    """The lookup of an expression in terms of units and g."""
+    return lambda name: g if name == "g" else float(constant(name))
 
 
 def _says_g(variation: Variation) -> bool:
@@ -141,17 +157,54 @@ def _numbers_with(given: Given, g: float) -> Given | None:
     if given.values.dtype.kind == "f" or given.name.startswith("note_") or not varies_in_batch(path):
         return None
 
-    def of_case(name: str) -> float:
-        return g if name == "g" else float(constant(name))
-
     try:
         said = [parse(str(text)) if text else None for text in given.values]
         if any(one is not None and not one.names <= CONSTANTS.keys() | {"g"} for one in said):
             return None
-        values = [np.nan if one is None else float(one.evaluate(of_case)) for one in said]
+        values = [np.nan if one is None else float(one.evaluate(_lookup(g))) for one in said]
     except ExpressionError:
         return None
     return Given(given.name, given.path, np.array(values), UNITS.get(path[-1], "1"))
+
+
+def columns_of(
+    settings: Sequence[tuple[Setting, ...]], number_of: Callable[[Path, Any], Any]
+) -> tuple[dict[Path, NDArray[np.float64]] | None, NDArray[np.int64] | None, bool]:
+    """`columns` and `first_alike` of a `Variation`, and whether points say more than numbers: words, mappings."""
+    rows: list[dict[Path, float]] = []
+    first: dict[Any, int] = {}
+    first_alike = np.empty(len(settings), dtype=np.int64)
+    words = False
+    for i, point in enumerate(settings):
+        numbers, others = {}, []
+        for path, value, _ in numbers_of(point):
+            number = number_of(path, value)
+            if varies_in_batch(path) and type(number) in (int, float) and is_finite(number):
+                numbers[path] = float(number)
+            else:
+                others.append((path, repr(value)))
+        rows.append(numbers)
+        first_alike[i] = first.setdefault((tuple(sorted(numbers)), tuple(sorted(others))), i)
+        words = words or bool(others) or any(isinstance(value, Map) for _, value, _ in point)
+    paths = list(dict.fromkeys(path for i in first.values() for path in rows[i]))
+    if not paths or 1 < len(first) == len(settings):
+        return None, None, words
+    columns = {path: np.full(len(rows), np.nan) for path in paths}
+    for i, row in enumerate(rows):
+        for path, number in row.items():
+            columns[path][i] = number
+    return columns, None if len(first) == 1 else first_alike, words
+
+
+def as_number(path: Path, value: Any, lookup: Callable[[str], Any] = constant) -> Any:
+    """A constant expression as its number, so that named numbers stay columns."""
+    if isinstance(value, str) and varies_in_batch(path):
+        try:
+            check_unit(value, path)
+            return parse(value).evaluate(lookup)
+        except ExpressionError:  # a case tells it
+            return value
+    return value
 
 
 def _why_it_cannot_wait(let: Map | None, text: str) -> str:
@@ -352,37 +405,9 @@ class _Reader:
                     f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
                 )
         axis = Axis(self.text, self.text, tuple(labels), False, files=files, given=given)
-        columns, first_alike, words = (None, None, True) if self.fills_in else self.columns(settings)
+        columns, first_alike, words = (None, None, True) if self.fills_in else columns_of(settings, as_number)
         kept = () if columns and first_alike is None and not words else tuple(settings)
         return Variation(axis, self.path, kept, columns, where, table, first_alike=first_alike)
-
-    def columns(
-        self, settings: list[tuple[Setting, ...]]
-    ) -> tuple[dict[Path, NDArray[np.float64]] | None, NDArray[np.int64] | None, bool]:
-        """`columns` and `first_alike` of a `Variation`, and whether points say more than numbers: words, mappings."""
-        rows: list[dict[Path, float]] = []
-        first: dict[Any, int] = {}
-        first_alike = np.empty(len(settings), dtype=np.int64)
-        words = False
-        for i, point in enumerate(settings):
-            numbers, others = {}, []
-            for path, value, _ in numbers_of(point):
-                number = self.as_number(path, value)
-                if varies_in_batch(path) and type(number) in (int, float) and is_finite(number):
-                    numbers[path] = float(number)
-                else:
-                    others.append((path, repr(value)))
-            rows.append(numbers)
-            first_alike[i] = first.setdefault((tuple(sorted(numbers)), tuple(sorted(others))), i)
-            words = words or bool(others) or any(isinstance(value, Map) for _, value, _ in point)
-        paths = list(dict.fromkeys(path for i in first.values() for path in rows[i]))
-        if not paths or 1 < len(first) == len(settings):
-            return None, None, words
-        columns = {path: np.full(len(rows), np.nan) for path in paths}
-        for i, row in enumerate(rows):
-            for path, number in row.items():
-                columns[path][i] = number
-        return columns, None if len(first) == 1 else first_alike, words
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""
@@ -471,7 +496,7 @@ class _Reader:
         entry = self.globbed(entry)
         places = [entry.where.get(label) for label in entry]
         settings = [self.put(v, places[i], label) for i, (label, v) in enumerate(entry.items())]
-        settings = [tuple((p, self.as_number(p, v), w) for p, v, w in point) for point in settings]
+        settings = [tuple((p, as_number(p, v), w) for p, v, w in point) for point in settings]
         return self.labelled(list(entry), settings, Places(tuple(places)))
 
     def globbed(self, entry: Map) -> Map:
@@ -498,17 +523,6 @@ class _Reader:
                 return keys
         return None
 
-    @staticmethod
-    def as_number(path: Path, value: Any) -> Any:
-        """A constant expression as its number, so that named numbers stay columns."""
-        if isinstance(value, str) and varies_in_batch(path):
-            try:
-                check_unit(value, path)
-                return parse(value).evaluate(constant)
-            except ExpressionError:  # a case tells it
-                return value
-        return value
-
     def matched(self, pattern: str) -> Variation:
         line = place(self.study, ("vary", self.text))
         names = self.records.match(f"vary.{self.text}", pattern, line)
@@ -523,8 +537,7 @@ class _Reader:
         where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
             tuple(
-                (path, self.as_number(path, self.checked(path, value)), at)
-                for path, value in zip(paths, row, strict=True)
+                (path, as_number(path, self.checked(path, value)), at) for path, value in zip(paths, row, strict=True)
             )
             for at, row in zip(where, table.rows, strict=True)
         ]
