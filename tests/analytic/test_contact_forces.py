@@ -54,6 +54,14 @@ def test_forces_of_an_asymmetric_body_with_vertical_motion():
     assert response.scalars["N_min_over_mg"][0] == pytest.approx(N.min(), rel=5e-3)
 
 
+def test_extremes_between_samples_that_are_far_apart():
+    # 0.31 s apart, 0.45/p: the rate turns twice between two of them
+    body = make_block(h=3.2, b=1.5)
+    response = rock(body, record([-15.6, 6.1, -10.4], 0.31), histories=True, dt_out=1e-4)
+    rates = np.abs(response.histories["theta_dot"][0])
+    assert response.scalars["theta_dot_peak"][0] == pytest.approx(rates.max(), rel=1e-5)
+
+
 def test_friction_at_rest_is_that_of_the_ground():
     body = block(2.0, 0.3)
     response = rock(body, pulse("sine", 0.2 * G, 7.0))

@@ -11,6 +11,9 @@ from rockcli.kernels.rigid.series import bend, slope, third, value
 RATE, NORMAL, FRICTION = 0, 1, 2
 """What is watched: |q'|, N and |T|/N, in slots 0-2; slots 3-5 have the signs of the slopes of |q'|, -N and T/N."""
 
+BRIEF = 0.01
+"""(p x)² of a step x between samples of a record below which each of these has one extreme on it at most."""
+
 
 @jit
 def contact(edge, s, c, n, y, a, a_v, deg, force):

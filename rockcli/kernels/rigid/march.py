@@ -31,7 +31,7 @@ from rockcli.kernels.constants import (
 from rockcli.kernels.jit import entry, jit, jit_part, room
 from rockcli.kernels.rigid import parameters as at
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
+from rockcli.kernels.rigid.edge_forces import BRIEF, note_passage, watch_rocking
 from rockcli.kernels.rigid.free_outcome import free_rocking, lost_for_good
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, expand_both, longest_step, pieces_at
 from rockcli.kernels.rigid.law import edge_of, energy, separatrix
@@ -142,7 +142,7 @@ def march(par, how, horizontal, h_data, vertical, v_data, dt_out, history, impac
             continue
         event, x, reach = first_event(edge, c, n, h, skip, linear, ground, ih, iv, guard)
 
-        parts = 1 if (horizontal.kind == SAMPLES and t < t_motion) else 8
+        parts = 1 if (horizontal.kind == SAMPLES and t < t_motion and x * x * edge.p2 < BRIEF) else 8
         work += note_way(edge, other, how, s, n, x, reach, t, parts, reported, deg, spaces, out)
         t_was, t = t, (t_next if (event == NO_EVENT and x == t_next - t) else t + x)
         q, v = (0.0 if event == LANDS else value(c, n, x)), slope(c, n, x)

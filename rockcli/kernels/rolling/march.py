@@ -30,7 +30,7 @@ from rockcli.kernels.constants import (
 )
 from rockcli.kernels.jit import entry, jit, jit_part
 from rockcli.kernels.rigid import results as to
-from rockcli.kernels.rigid.edge_forces import note_passage, watch_rocking
+from rockcli.kernels.rigid.edge_forces import BRIEF, note_passage, watch_rocking
 from rockcli.kernels.rigid.ground import NOTHING, PULSES, SAMPLES, bounds_from, expand_both, longest_step, pieces_at
 from rockcli.kernels.rigid.march import ALL, OUTCOME, REST, ROCK
 from rockcli.kernels.rigid.march import work_space as work_space
@@ -148,7 +148,7 @@ def march(par, body, how, horizontal, h_data, vertical, v_data, dt_out, history,
             continue
         event, x, reach = first_event(end, c, n, h, skip, guard)
 
-        parts = 1 if (horizontal.kind == SAMPLES and t < t_motion) else 8
+        parts = 1 if (horizontal.kind == SAMPLES and t < t_motion and x * x * end.p2 < BRIEF) else 8
         work += note_way(body, end, how, s, n, x, reach, t, parts, reported, given, deg, spaces, out)
         t_was, t = t, (t_next if (event == NO_EVENT and x == t_next - t) else t + x)
         q, v = (0.0 if event == LANDS else value(c, n, x)), slope(c, n, x)
