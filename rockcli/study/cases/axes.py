@@ -129,7 +129,12 @@ def _with_g(variation: Variation, g: float, *, alone: bool) -> Variation:
     """
     given = tuple(_numbers_with(given, g) or given for given in variation.axis.given)
     told = replace(variation, axis=replace(variation.axis, given=given))
-    if alone or variation.axis.numeric or not variation.settings:
+    texts = any(
+        isinstance(value, str) and varies_in_batch(path)
+        for point in variation.settings
+        for path, value, _ in numbers_of(point)
+    )
+    if alone or variation.axis.numeric or not texts:
         return told
     columns, first_alike, _ = columns_of(variation.settings, partial(as_number, lookup=_lookup(g)))
     return replace(told, columns=columns, first_alike=first_alike)
