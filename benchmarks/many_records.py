@@ -3,8 +3,8 @@
     python benchmarks/many_records.py [--workers N] [--rounds K] [--before FOLDER]
 
 Records of 4000 to 8000 samples at .005 s, made here, in AT2 files; 490 of them under 22 amplitudes, the axes in either
-order, and 3000 under one, with outcome and peak and with the scalars saved by default.  `reading` is the processor
-time of reading the files alone, the floor of what a run that reads them can take.  The least of the rounds counts.
+order, and 3000 under one and in a table with a scale each, with outcome and peak and with the scalars saved by default.
+`reading` is the processor time of reading the files alone, the floor of what a run that reads them can take.  The least of the rounds counts.
 Writes results/many_records.csv.  With the FOLDER of another build, which holds its package `rockcli` with objects of its
 kernels, the two builds run the studies in turn with outcome and peak: results/many_records_paired.csv.  Python has
 compiled the modules of either before, as it has on a user's machine; where PYTHONDONTWRITEBYTECODE is set it would compile
@@ -43,6 +43,7 @@ STUDIES = {
     "490 records x 22 amplitudes": ('motion.record.file: "some/*.AT2"', AMPLITUDES),
     "22 amplitudes x 490 records": (AMPLITUDES, 'motion.record.file: "some/*.AT2"'),
     "3000 records": ('motion.record.file: "all/*.AT2"',),
+    "3000 records and scales in a table": ("case: rows.csv",),
 }
 SAVED = {
     "outcome, peak": "save: {histories: false, scalars: [outcome, theta_peak_over_alpha]}",
@@ -102,6 +103,8 @@ def main() -> None:
         make(folder / "all", RECORDS)
         for path in sorted((folder / "all").iterdir())[:FEWER]:
             (folder / "some" / path.name).symlink_to(path)
+        rows = [f"{k},all/r{k:04d}.AT2,{0.5 + k / RECORDS:.3f}" for k in range(RECORDS)]
+        (folder / "rows.csv").write_text("\n".join(["name,motion.record.file,motion.record.scale", *rows]) + "\n")
         for title, axes in STUDIES.items():
             files = sorted((folder / ("some" if "490" in title else "all")).iterdir())
             floor = min(reading(files) for _ in range(options.rounds))

@@ -283,7 +283,7 @@ class Uplift:
         if len(weak) <= NAMED:
             return [f"{one.name}: {one.words}: too weak to uplift" for one in weak]
         every = reduce(_Weak.with_, weak)
-        return [f"{len(weak)} motions are too weak to uplift a body: {every.words} (first: {every.name})"]
+        return [f"{len(weak)} motions are too weak to uplift a body: {every.words} (such as {every.name})"]
 
 
 _Motion = tuple[str, tuple[str, ...]]

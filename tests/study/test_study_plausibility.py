@@ -212,7 +212,7 @@ class TestDoubts:
         low, high = 0.1 / 9.81, 0.5 / 9.81
         assert said == (
             f"5 motions are too weak to uplift a body: PGA {low:.3g} to {high:.3g} g = {low / 2:.3g} to "
-            f"{high / 0.15:.3g} g tan alpha (first: q0.txt)"
+            f"{high / 0.15:.3g} g tan alpha (such as q0.txt)"
         )
 
     def test_the_linearized_block_uplifts_at_alpha(self):

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 from unicodedata import category
 
 import numpy as np
@@ -23,7 +23,7 @@ from rockcli.study.building.numbers import in_words
 from rockcli.study.building.records import MissingRecordError, Records
 from rockcli.study.cases.file_names import LABELS, names_in
 from rockcli.study.cases.table import NOTE, Table, given_by, read_table
-from rockcli.study.cases.variation import Variation, numbers_of
+from rockcli.study.cases.variation import Variation, is_record, numbers_of
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.dimensions import check_unit
 from rockcli.study.document.expressions import CONSTANTS, Expression, ExpressionError, constant, parse
@@ -106,7 +106,10 @@ def read_axes(
         raise source.error(study, ("vary",), f"makes {total:.3g} cases, more than {MAX_CASES:.3g}")
     variations = [replace(v, axis=replace(v.axis, name=n)) for v, n in zip(variations, names, strict=True)]
     filled = names_in(study) | names_in([value for v in variations for point in v.points() for _, value, _ in point])
-    variations = [replace(v, columns=None) if v.settings and v.axis.name in filled else v for v in variations]
+    variations = [
+        replace(v, columns=None, first_but_for_record=None) if v.settings and v.axis.name in filled else v
+        for v in variations
+    ]
     g = _constant_g(study, variations)
     return variations if g is None else [_with_g(v, g, alone=v.axis.name in filled) for v in variations]
 
@@ -136,8 +139,10 @@ def _with_g(variation: Variation, g: float, *, alone: bool) -> Variation:
     )
     if alone or variation.axis.numeric or not texts:
         return told
-    columns, first_alike, _ = columns_of(variation.settings, partial(as_number, lookup=_lookup(g)))
-    return replace(told, columns=columns, first_alike=first_alike)
+    found = columns_of(variation.settings, partial(as_number, lookup=_lookup(g)))
+    return replace(
+        told, columns=found.columns, first_alike=found.first_alike, first_but_for_record=found.first_but_for_record
+    )
 
 
 def _lookup(g: float) -> Callable[[str], float]:
@@ -172,33 +177,47 @@ def _numbers_with(given: Given, g: float) -> Given | None:
     return Given(given.name, given.path, np.array(values), UNITS.get(path[-1], "1"))
 
 
-def columns_of(
-    settings: Sequence[tuple[Setting, ...]], number_of: Callable[[Path, Any], Any]
-) -> tuple[dict[Path, NDArray[np.float64]] | None, NDArray[np.int64] | None, bool]:
-    """`columns` and `first_alike` of a `Variation`, and whether points say more than numbers: words, mappings."""
+class Columns(NamedTuple):
+    """What of a `Variation` its points say in numbers; `words`: whether they say more, words and mappings."""
+
+    columns: dict[Path, NDArray[np.float64]] | None
+    first_alike: NDArray[np.int64] | None
+    first_but_for_record: NDArray[np.int64] | None
+    words: bool
+
+
+def columns_of(settings: Sequence[tuple[Setting, ...]], number_of: Callable[[Path, Any], Any]) -> Columns:
+    """The numbers of the points of an axis as columns, where some points differ in no more, or in a record beside."""
     rows: list[dict[Path, float]] = []
     first: dict[Any, int] = {}
-    first_alike = np.empty(len(settings), dtype=np.int64)
+    first_but_for_record: dict[Any, int] = {}
+    alike = np.empty((2, len(settings)), dtype=np.int64)
     words = False
     for i, point in enumerate(settings):
-        numbers, others = {}, []
+        numbers, others, records = {}, [], []
         for path, value, _ in numbers_of(point):
             number = number_of(path, value)
             if varies_in_batch(path) and type(number) in (int, float) and is_finite(number):
                 numbers[path] = float(number)
+            elif is_record(path, value):
+                records.append((path, value))
             else:
                 others.append((path, repr(value)))
         rows.append(numbers)
-        first_alike[i] = first.setdefault((tuple(sorted(numbers)), tuple(sorted(others))), i)
-        words = words or bool(others) or any(isinstance(value, Map) for _, value, _ in point)
+        form = tuple(sorted(numbers)), tuple(sorted(others)), tuple(path for path, _ in records)
+        alike[:, i] = first.setdefault((form, tuple(records)), i), first_but_for_record.setdefault(form, i)
+        words = words or bool(others or records) or any(isinstance(value, Map) for _, value, _ in point)
+    if 1 < len(first_but_for_record) == len(settings):
+        return Columns(None, None, None, words)
+    but_for_record = alike[1] if len(first_but_for_record) < len(first) else None
     paths = list(dict.fromkeys(path for i in first.values() for path in rows[i]))
-    if not paths or 1 < len(first) == len(settings):
-        return None, None, words
+    if not paths:
+        return Columns(None, None, but_for_record, words)
     columns = {path: np.full(len(rows), np.nan) for path in paths}
     for i, row in enumerate(rows):
         for path, number in row.items():
             columns[path][i] = number
-    return columns, None if len(first) == 1 else first_alike, words
+    return Columns(columns, None if len(first) == 1 else alike[0], but_for_record, words)
 
 
 def as_number(path: Path, value: Any, lookup: Callable[[str], Any] = constant) -> Any:
@@ -410,9 +429,11 @@ class _Reader:
                     f"has the label {label[:100]!a}: {odd[0]!a} is no character of a label, which is a line"
                 )
         axis = Axis(self.text, self.text, tuple(labels), False, files=files, given=given)
-        columns, first_alike, words = (None, None, True) if self.fills_in else columns_of(settings, as_number)
+        if self.fills_in:
+            return Variation(axis, self.path, tuple(settings), None, where, table)
+        columns, first_alike, first_but_for_record, words = columns_of(settings, as_number)
         kept = () if columns and first_alike is None and not words else tuple(settings)
-        return Variation(axis, self.path, kept, columns, where, table, first_alike=first_alike)
+        return Variation(axis, self.path, kept, columns, where, table, None, False, first_alike, first_but_for_record)
 
     def put(self, value: Any, where: Where, *more: str | int) -> tuple[Setting, ...]:
         """What one point puts into a case."""

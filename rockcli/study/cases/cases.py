@@ -19,14 +19,14 @@ from rockcli.study.building.floors import waveforms
 from rockcli.study.building.ground_motion import alike_but_for_records
 from rockcli.study.building.numbers import Motions, Numbers, Varied
 from rockcli.study.building.records import Records
-from rockcli.study.cases.file_names import filled_in, names_in
+from rockcli.study.cases.file_names import filled_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import overlaid
-from rockcli.study.document.tree import Keys, Map, Source, Where
+from rockcli.study.document.tree import Map, Source, Where
 from rockcli.study.schema import CasePart
-from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Index
+from rockcli.study.study import OF_DIRECTIONS, Index
 
 Array = NDArray[np.float64]
 Points = dict[int, NDArray[np.int64]]
@@ -102,31 +102,36 @@ class Cases:
         if axis is None:
             yield from ((*group, None) for group in self.groups(indices))
             return
+        variation = self.variations[axis]
+        directions = variation.axis.path == OF_DIRECTIONS
         for part, combination, points in self._by_structure(indices, axis):
-            there = np.unique(points[axis])
-            directions = self.variations[axis].axis.path == OF_DIRECTIONS
+            there, which = np.unique(points[axis], return_inverse=True)
             if len(there) == 1 or not alike_but_for_records(self.checked(combination)[1], directions=directions):
                 yield from ((*group, None) for group in self.groups(part))
-                continue
-            settings = [self.variations[axis].settings[point][0] for point in there.tolist()]
-            said = tuple((value, where) for _, value, where in settings)
-            keys: Keys = ("case", "motion", "record", "angle" if directions else "file")
-            yield part, combination, points, Motions(keys, said, np.searchsorted(there, points[axis]))
+            elif directions:
+                angles = tuple(variation.settings[point][0][1:] for point in there.tolist())
+                yield part, combination, points, Motions(("case", "motion", "record", "angle"), angles, which)
+            else:
+                said = [variation.record_of(point) for point in there.tolist()]
+                files: dict[str, Where] = {}
+                for name, where in said:
+                    files.setdefault(name, where)
+                number = {name: i for i, name in enumerate(files)}
+                of_point = np.array([number[name] for name, _ in said])
+                keys = ("case", "motion", "record", "file")
+                yield part, combination, points, Motions(keys, tuple(files.items()), of_point[which])
 
     @property
     def _of_records(self) -> int | None:
-        """The axis of directions, or the one that names a record at each point and sets nothing else; None for none."""
+        """The axis of directions, or the only one of whose points some differ in the record alone; None for none."""
         if self.save.histories:
             return None
         turned = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path == OF_DIRECTIONS]
         if turned:
             numbers = all(isinstance(s[0][1], int | float) for s in self.variations[turned[0]].settings)
             return turned[0] if numbers else None
-        found = [i for i, v in enumerate(self.variations) if v.columns is None and v.axis.path in OF_RECORDS]
-        if len(found) != 1:
-            return None
-        plain = all(len(s) == 1 and isinstance(s[0][1], str) for s in self.variations[found[0]].settings)
-        return found[0] if plain and not names_in([s[0][1] for s in self.variations[found[0]].settings]) else None
+        found = [i for i, v in enumerate(self.variations) if v.first_but_for_record is not None]
+        return found[0] if len(found) == 1 else None
 
     def _saves(self, points: Points, n: int) -> Iterator[tuple[Any, Save]]:
         """Rows of a group and what is asked for them: histories may be wanted of some only."""
@@ -156,7 +161,7 @@ class Cases:
     def _by_structure(
         self, indices: Index, together: int | None = None
     ) -> Iterator[tuple[Index, tuple[int, ...], Points]]:
-        """Split flat indices by the points on the structural axes but for one; what is checked is at its first."""
+        """Split flat indices by the points on the structural axes, on one of them without regard to records."""
         if not len(indices):
             return
         if not self.variations:
@@ -164,14 +169,13 @@ class Cases:
             return
         points = [np.asarray(p, dtype=np.int64) for p in np.unravel_index(indices, self.shape)]
         structural = self.structural
-        apart = [i for i in structural if i != together]
         if not structural:
             yield indices, (), dict(enumerate(points))
             return
         first = {i: self.variations[i].batch_of(points[i]) for i in structural}
-        key = np.zeros(len(indices), dtype=np.int64)
-        if apart:
-            key = np.ravel_multi_index([first[i] for i in apart], [self.shape[i] for i in apart])
+        if together is not None:
+            first[together] = self.variations[together].batch_of_records(points[together])
+        key = np.ravel_multi_index([first[i] for i in structural], [self.shape[i] for i in structural])
         order = np.argsort(key, kind="stable")
         for rows in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
             combination = tuple(int(first[i][rows[0]]) for i in structural)

@@ -11,9 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rockcli.study.building.numbers import Varied
+from rockcli.study.cases.file_names import names_in
 from rockcli.study.document.overlay import Path, Setting, leaves
 from rockcli.study.document.tree import Map, Where
-from rockcli.study.study import Axis
+from rockcli.study.study import OF_RECORDS, Axis
+
+RECORD_PATHS: tuple[Path, ...] = tuple(("case", *path.split(".")) for path in OF_RECORDS)
+"""Where the name of the horizontal record may stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +33,8 @@ class Variation:
             that may differ within a batch; None for others.
         first_alike: the first point that a point differs from in no more than its numbers, (n,); None where that is the
             same for all, or without columns.
+        first_but_for_record: the first point that a point differs from in no more than its numbers and the name of its
+            record, (n,); None where that tells no more than `first_alike`.
         where: place of every point in the study file.
         table: name of the file the axis was read from; None = none.
         find: `overturning` for a range that is searched and adds no dimension, else None.
@@ -44,6 +50,7 @@ class Variation:
     find: str | None = None
     sampled: bool = False
     first_alike: NDArray[np.int64] | None = None
+    first_but_for_record: NDArray[np.int64] | None = None
 
     @property
     def structural(self) -> bool:
@@ -55,6 +62,15 @@ class Variation:
         if self.columns is None:
             return points
         return np.zeros_like(points) if self.first_alike is None else self.first_alike[points]
+
+    def batch_of_records(self, points: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The same of a batch in which every case may have a record, or a direction, of its own."""
+        alike = self.first_but_for_record
+        return np.zeros_like(points) if alike is None else alike[points]
+
+    def record_of(self, point: int) -> tuple[str, Where]:
+        """The name of the record that a point says, and where, of points that differ in it (`first_but_for_record`)."""
+        return next((value, where) for path, value, where in numbers_of(self.settings[point]) if is_record(path, value))
 
     @property
     def size(self) -> int:
@@ -108,6 +124,11 @@ def numbers_of(point: tuple[Setting, ...]) -> Iterator[Setting]:
             yield from numbers_of(tuple(((*path, key), item, value.where.get(key)) for key, item in value.items()))
         else:
             yield path, value, where
+
+
+def is_record(path: Path, value: Any) -> bool:
+    """Whether a value at a path is the name of the horizontal record, in which no axis fills in anything."""
+    return path in RECORD_PATHS and isinstance(value, str) and not names_in(value)
 
 
 def _replaced(path: Path, value: Any, numbers: dict[Path, Varied]) -> Any:
