@@ -51,7 +51,7 @@ def over_bodies(
     cases = np.atleast_1d(np.ravel_multi_index(tuple(at), study.shape)) if paths else np.zeros(1, dtype=np.int64)
     distinct: dict[bytes, tuple[int, Array]] = {}
     which = np.full(size, -1.0)
-    for part, batch in buildable(study.batches, np.asarray(cases, dtype=np.int64)):
+    for part, batch in buildable(study.suites, np.asarray(cases, dtype=np.int64)):
         found = of(batch.block)
         if found is None:
             continue
