@@ -62,7 +62,7 @@ def sweep_id(
 
     def content(value: Any) -> str:
         named = inputs.keys() & set(_texts(value))
-        told = [_canonical(value), sorted((name, inputs[name]) for name in named)]
+        told = [_canonical(value, nothing=True), sorted((name, inputs[name]) for name in named)]
         return hashlib.sha256(encoder.encode(told).encode()).hexdigest()[:32]
 
     said = {key: value for key, value in save.items() if key != "dt_out" or save["histories"] is not False}
@@ -141,17 +141,24 @@ def _axis(variation: Variation) -> list[Any]:
     if variation.columns is not None and not variation.settings:
         content: Any = {".".join(p): hashlib.sha256(v.tobytes()).hexdigest() for p, v in variation.columns.items()}
     else:
-        content = [[[".".join(path), _canonical(value)] for path, value, _ in point] for point in variation.settings]
+        content = [
+            [[".".join(path), _canonical(value, nothing=True)] for path, value, _ in point]
+            for point in variation.settings
+        ]
     said = [axis.name, ".".join(variation.path), [] if axis.numeric else list(axis.values), content]
     return [*said, variation.find] if variation.find else said
 
 
-def _canonical(value: Any) -> Any:
-    """The same for 5 and 5.0, for any order of keys, and for an absent key and an empty one."""
+def _canonical(value: Any, *, nothing: bool = False) -> Any:
+    """The same for 5 and 5.0, for any order of keys, and for an absent key and an empty one.
+
+    `nothing`: not for these in a setting, of which an empty key takes away what the base case has there.
+    """
     if isinstance(value, dict):
-        return {str(key): _canonical(item) for key, item in value.items() if item is not None}
+        said = ((key, item) for key, item in value.items() if nothing or item is not None)
+        return {str(key): _canonical(item, nothing=nothing) for key, item in said}
     if isinstance(value, list | tuple):
-        return [_canonical(item) for item in value]
+        return [_canonical(item, nothing=nothing) for item in value]
     if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
     return value

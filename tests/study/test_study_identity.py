@@ -92,6 +92,24 @@ def test_the_order_of_axes_counts_and_that_of_keys_does_not():
     assert open_study(study).identity == IDENTITY
 
 
+def test_a_null_inside_a_setting_counts():
+    """`{mu: null}` takes the friction of the base case away, `{}` leaves it there."""
+    one, other = (
+        open_study(
+            {
+                "name": "one",
+                "case": {"block": {"R": 2, "tan_alpha": 0.2, "mu": 0.15}, "initial": {"theta": 0.1}},
+                "vary": {"block": {"a": first, "b": {"mu": 0.3}, "as it is": {"top": 3}}},
+            }
+        )
+        for first in ({"mu": None}, {})
+    )
+    (_, without), (_, left) = next(one.batches()), next(other.batches())
+    assert without.block.mu[0] != left.block.mu[0] == 0.15
+    assert one.identity != other.identity
+    assert one.sweep_id != other.sweep_id
+
+
 def test_the_version_of_the_program_counts(monkeypatch):
     monkeypatch.setattr("rockcli.version.__version__", "99.0")
     assert open_study(BASE).identity != IDENTITY
