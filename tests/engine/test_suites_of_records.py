@@ -166,6 +166,27 @@ def test_every_direction_is_as_alone_and_all_are_one_batch(folder: Path, more: d
     assert len(list(what.batches())) == 9
 
 
+def test_a_later_axis_of_the_same_length_decides_on_the_motion(folder: Path) -> None:
+    """What another axis says of the file or the angle was lost where the records of an axis were solved together."""
+    kernels.load(compile_them=True)
+    names = [str(folder / f"{name}.AT2") for name in "abc"]
+    of_files, of_angles = study(folder), directions(folder)
+    of_files["vary"] = {
+        "motion.record.file": names[:2],
+        "case": {"third": {"motion.record.file": names[2]}, "wide": {"block.R": 3}},
+    }
+    of_angles["vary"] = {
+        "motion.record.angle": [0.0, 1.0],
+        "case": {"turned": {"motion.record.angle": 2.0}, "wide": {"block.R": 3}},
+    }
+    for plan, key, value in ((of_files, "file", names[2]), (of_angles, "angle", 2.0)):
+        alone = {**plan, "vary": {f"motion.record.{key}": [value]}}
+        (wanted,) = solved(open_study(alone), together=True)["theta_peak"]
+        found = solved(open_study(plan), together=True)["theta_peak"]
+        assert (found[::2] == wanted).all()
+        assert len(set(found.tolist())) == 3
+
+
 def test_directions_with_something_beside_stay_apart(folder: Path) -> None:
     plan = directions(folder)
     plan["case"]["motion"]["duration"] = 3.0

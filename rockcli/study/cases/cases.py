@@ -24,7 +24,7 @@ from rockcli.study.cases.variation import Variation
 from rockcli.study.document.check import check_case
 from rockcli.study.document.expressions import ExpressionError, parse
 from rockcli.study.document.overlay import overlaid
-from rockcli.study.document.tree import Map, Source, Where
+from rockcli.study.document.tree import Keys, Map, Source, Where, value_at
 from rockcli.study.schema import CasePart
 from rockcli.study.study import OF_DIRECTIONS, Index
 
@@ -106,20 +106,24 @@ class Cases:
         directions = variation.axis.path == OF_DIRECTIONS
         for part, combination, points in self._by_structure(indices, axis):
             there, which = np.unique(points[axis], return_inverse=True)
-            if len(there) == 1 or not alike_but_for_records(self.checked(combination)[1], directions=directions):
+            keys: Keys = ("case", "motion", "record", "angle" if directions else "file")
+            said = [variation.motion_of(point) for point in there.tolist()]
+            alone = len(there) == 1 or not alike_but_for_records(self.checked(combination)[1], directions=directions)
+            if alone or not self._decides(axis, combination, keys, {int(there[i]): said[i][0] for i in (0, -1)}):
                 yield from ((*group, None) for group in self.groups(part))
-            elif directions:
-                angles = tuple(variation.settings[point][0][1:] for point in there.tolist())
-                yield part, combination, points, Motions(("case", "motion", "record", "angle"), angles, which)
-            else:
-                said = [variation.record_of(point) for point in there.tolist()]
-                files: dict[str, Where] = {}
-                for name, where in said:
-                    files.setdefault(name, where)
-                number = {name: i for i, name in enumerate(files)}
-                of_point = np.array([number[name] for name, _ in said])
-                keys = ("case", "motion", "record", "file")
-                yield part, combination, points, Motions(keys, tuple(files.items()), of_point[which])
+                continue
+            motions: dict[Any, Where] = {}
+            for motion, where in said:
+                motions.setdefault(motion, where)
+            number = {motion: i for i, motion in enumerate(motions)}
+            of_point = np.array([number[motion] for motion, _ in said])
+            yield part, combination, points, Motions(keys, tuple(motions.items()), of_point[which])
+
+    def _decides(self, axis: int, combination: tuple[int, ...], keys: Keys, said: dict[int, Any]) -> bool:
+        """Whether what points of a structural axis say at some keys is left there beside the other axes."""
+        at = self.structural.index(axis)
+        trees = {point: self.checked((*combination[:at], point, *combination[at + 1 :]))[0] for point in said}
+        return all(value_at(trees[point], keys) == value for point, value in said.items())
 
     @property
     def _of_records(self) -> int | None:

@@ -14,7 +14,7 @@ from rockcli.study.building.numbers import Varied
 from rockcli.study.cases.file_names import names_in
 from rockcli.study.document.overlay import Path, Setting, leaves
 from rockcli.study.document.tree import Map, Where
-from rockcli.study.study import OF_RECORDS, Axis
+from rockcli.study.study import OF_DIRECTIONS, OF_RECORDS, Axis
 
 RECORD_PATHS: tuple[Path, ...] = tuple(("case", *path.split(".")) for path in OF_RECORDS)
 """Where the name of the horizontal record may stand."""
@@ -68,9 +68,11 @@ class Variation:
         alike = self.first_but_for_record
         return np.zeros_like(points) if alike is None else alike[points]
 
-    def record_of(self, point: int) -> tuple[str, Where]:
-        """The name of the record that a point says, and where, of points that differ in it (`first_but_for_record`)."""
-        return next((value, where) for path, value, where in numbers_of(self.settings[point]) if is_record(path, value))
+    def motion_of(self, point: int) -> tuple[Any, Where]:
+        """The name of the record that a point says, or its direction, and where it stands."""
+        turned = self.axis.path == OF_DIRECTIONS
+        said = numbers_of(self.settings[point])
+        return next((value, where) for path, value, where in said if turned or is_record(path, value))
 
     @property
     def size(self) -> int:
