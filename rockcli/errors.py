@@ -5,6 +5,7 @@ A failed case is not an error: it is a `Response` with an outcome and a sentence
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,20 @@ def path_given(value: Any, kind: type[RockError] = StudyError) -> Path:
     except TypeError:
         said = repr(value) if isinstance(value, int | float | None) else f"of type {type(value).__name__}"
         raise kind(f"path is {said}; expected the path of a file, as text or a pathlib.Path") from None
+
+
+def is_file(path: Path) -> bool:
+    """Whether a file stands at a path that was given.
+
+    Raises:
+        StudyError: the system does not tell, as where a folder on the way is locked or the name is too long.
+    """
+    try:
+        return stat.S_ISREG(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return False
+    except OSError as error:
+        raise StudyError(f"cannot be read: {error.strerror}", file=path) from None
 
 
 class SolverError(RockError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -29,17 +30,17 @@ def compare(
     same name; static curves are named and not compared.  Exit 1 on another outcome or a peak beyond --rtol; the worst
     points are named.
     """
-    from rockcli.errors import StudyError
+    from rockcli.errors import StudyError, is_file
 
     if not 0.0 <= rtol < float("inf"):
         raise StudyError(f"--rtol {rtol}: expected a number >= 0")
     if most < 0:
         raise StudyError(f"--most {most}: expected a number >= 0")
-    if a.is_dir() and b.is_dir():
+    if os.path.isdir(a) and os.path.isdir(b):
         same = _folders(a, b, rtol, most, as_json=as_json)
-    elif gone := next((path for path in (a, b) if not path.exists()), None):
+    elif gone := next((path for path in (a, b) if not (os.path.exists(path) or is_file(path))), None):
         raise StudyError("no such file or folder", file=gone)
-    elif a.is_dir() or b.is_dir():
+    elif os.path.isdir(a) or os.path.isdir(b):
         raise StudyError(f"{a} and {b}: a folder and a file; expected two datasets, or two folders of them")
     else:
         found, apart = _files(a, b, rtol, most, si=as_json)

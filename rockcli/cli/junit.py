@@ -31,7 +31,7 @@ def check_junit(path: Path, datasets: Sequence[Path]) -> None:
     Raises:
         StudyError: it cannot be written, holds what is no JUnit file, or is where a dataset goes.
     """
-    if path.exists() and not path.is_file() and not path.is_dir():  # a pipe or a device
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):  # a pipe or a device
         return
     check_file(path)
     if os.path.realpath(path) in {os.path.realpath(dataset) for dataset in datasets}:

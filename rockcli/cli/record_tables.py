@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +38,7 @@ def listed(paths: Iterable[Path]) -> list[tuple[Path, bool]]:
     """
     files: list[tuple[Path, bool]] = []
     for path in paths:
-        there = path.iterdir() if path.is_dir() else ()
+        there = path.iterdir() if os.path.isdir(path) else ()
         inside = sorted(one for one in there if one.is_file() and one.name[0] not in "._")
         files += [(one, True) for one in inside] or [(path, False)]
     return files

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from math import inf, isnan
 from pathlib import Path
@@ -90,7 +91,7 @@ def info(
     brief = any(inside for _, inside in chosen) or bool(periods) or rotd
     for file, inside in chosen:
         try:
-            if file.is_dir():
+            if os.path.isdir(file):
                 raise RecordError("there is no file in this folder; folders in it are not searched", file)
             file = _found(file)
             found = _components(file, component, units, dt, every=brief and not rotd)
@@ -173,8 +174,6 @@ def _components(file: Path, component: str | None, units: str | None, dt: float 
 
 def _draw(path: Path, sources: list[Path], motions: list[Motion], g: float, *, rotd: bool) -> None:
     """The spectra of records, or of pairs in every direction: of more than can be told apart RotD50 alone."""
-    import os
-
     import numpy as np
 
     from rockcli.cli.record_tables import LONGEST, POINTS, SHORTEST, pair_spectra, spectrum_of
@@ -251,8 +250,6 @@ def _found(path: Path) -> Path:
     Raises:
         MissingRecordError: there is none; says where it was searched for.
     """
-    import os
-
     from rockcli.study.building.records import Records
     from rockcli.study.document.tree import Source
 

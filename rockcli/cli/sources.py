@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockcli.cli.say import say
-from rockcli.errors import RockError, StudyError
+from rockcli.errors import RockError, StudyError, is_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,12 +32,12 @@ def study_files(paths: Sequence[Path]) -> list[Path]:
     """
     files: list[Path] = []
     for path in paths:
-        if path.is_dir():
+        if os.path.isdir(path):
             found = sorted({*path.rglob("*.yaml"), *path.rglob("*.yml")})
             if not found:
                 raise StudyError("no *.yaml in this folder", file=path)
             files += found
-        elif path.is_file():
+        elif is_file(path):
             files.append(path)
         else:
             likely = [path.with_suffix(suffix) for suffix in (".yaml", ".yml") if path.with_suffix(suffix).is_file()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -56,7 +57,7 @@ def trade(
     if plot_format not in FORMATS:
         raise StudyError(f"--format {plot_format}: expected {', '.join(FORMATS)}")
     seconds = _seconds(budget)
-    if study.is_dir():
+    if os.path.isdir(study):
         raise StudyError("is a folder; give one study", file=study)
     opened = open_all([study], settings or ())
     given = opened.studies[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -54,15 +55,15 @@ def verify(
 
 def _intact(paths: Sequence[Path], *, as_json: bool) -> bool:
     """Say of datasets whether they are as they were written; whether none is damaged."""
-    from rockcli.errors import StudyError
+    from rockcli.errors import StudyError, is_file
     from rockcli.scene.counted import counted
     from rockcli.storage import netcdf
     from rockcli.storage.atomic import datasets_below
 
     files: dict[Path, None] = {}
     for path in paths:
-        found = datasets_below(path) if path.is_dir() else [path]
-        if not found or not found[0].is_file():
+        found = datasets_below(path) if os.path.isdir(path) else [path]
+        if not found or not is_file(found[0]):
             raise StudyError("no *.nc in this folder" if path.is_dir() else "no such file or folder", file=path)
         files.update(dict.fromkeys(found))
     states = {file: netcdf.is_intact(file) for file in files}

@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.errors import OutputError, StudyError
+from rockcli.errors import OutputError, StudyError, is_file
 from rockcli.storage import checksum, on_disk
 from rockcli.storage.atomic import replacing
 from rockcli.storage.contents import AXES, POINTS, Contents, Field
@@ -303,9 +303,9 @@ def open_file(path: Path) -> Iterator[Any]:
 
 def no_dataset(path: Path) -> str:
     """What a file is instead of a dataset, and what to type; "" where that is not to be seen."""
-    if path.is_dir():
+    if os.path.isdir(path):
         return "is a folder; give the dataset in it (<name>.nc)"
-    if not path.exists():
+    if not (os.path.exists(path) or is_file(path)):
         return "no such file"
     if path.suffix.lower() in (".yaml", ".yml"):
         return f"is a study, not a dataset: `rock run {path}` makes one, results/NAME/NAME.nc"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rockcli.errors import StudyError
+from rockcli.errors import StudyError, is_file
 from rockcli.scene.variables import PEAK
 from rockcli.storage.checksum import NAME, checksum, note_opened
 from rockcli.storage.contents import AXES, POINTS, Contents, Field
@@ -21,7 +21,7 @@ def open_dataset(path: Path) -> xarray.Dataset:
     """Read a dataset file whole; `StudyError` if it cannot be read."""
     import xarray
 
-    if not path.is_file():
+    if not is_file(path):
         raise StudyError(no_dataset(path) or "is no file", file=path)
     note_opened(path)
     try:

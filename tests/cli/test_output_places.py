@@ -121,6 +121,34 @@ def test_what_is_there_instead_of_a_dataset(
     assert f"rock: {what}: {told}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "run LONG.yaml",
+        "check LONG",
+        "export LONG.nc",
+        "trade LONG.yaml",
+        "table LONG.nc",
+        "plot LONG.nc",
+        "verify LONG.nc",
+        "animate LONG.nc --out x.gif",
+        "compare LONG.nc LONG.nc",
+        "records info ../LONG.AT2",
+        'check x.yaml --set case.block={"outline":LONG.csv}',
+        'check x.yaml --set case.block={"mesh":LONG.stl,"density":2000}',
+        'check x.yaml --set vary={"base":LONG.csv}',
+        'check x.yaml --set hazard=[LONG.csv] --set vary={"motion.pulse.a_p":[1,2],"block.R":[1,2]} --set over=block.R',
+    ],
+)
+def test_a_name_that_no_file_can_have_is_wrong_input(
+    words: str, rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What the system refuses of a name that is given is told as of a file that cannot be read, and so is its code."""
+    assert rock(*words.replace("LONG", "long" * 100).split()) == 2
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"rock: .*(long){100}(\.\w+)?: cannot be read: File name too long\n", said)
+
+
 def test_scripts_need_a_folder_too(rock: Rock, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert rock("export", file, "--out", file) == 2
     assert "x.yaml: is not a folder" in capsys.readouterr().err

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rockcli.errors import is_file
 from rockcli.scene.body.lower_outline import LEVEL, lower_hull
 from rockcli.scene.body.outline import OutlineError, Solid
 from rockcli.scene.body.scan import QUARTER, Profile, Scan
@@ -159,7 +160,7 @@ def _scan(numbers: Numbers, block: BlockPart) -> Scan:
     where = place(numbers.tree, MESH)
     if path.suffix.lower() not in FORMATS:
         numbers.fail(MESH, f"is {name[:200]!r}; expected a file that ends in {', '.join(FORMATS)}")
-    if not path.is_file():
+    if not is_file(path):
         raise numbers.source.placed(where, f"case.block.mesh: the mesh {str(path)[:300]} does not exist")
     data = numbers.source.inputs.read(name, path, MOST_BYTES)
     try:

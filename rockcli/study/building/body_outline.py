@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.errors import StudyError
+from rockcli.errors import StudyError, is_file
 from rockcli.scene.body.outline import Given, OutlineError, Solid, solid
 from rockcli.scene.counted import counted
 from rockcli.study.building.numbers import Numbers
@@ -167,7 +167,7 @@ def _from_file(numbers: Numbers, keys: Keys, name: str) -> Array:
     """Points of a CSV file beside the study, (k, 2) [m]: x, z on every line; a first line of words and # lines pass."""
     where = place(numbers.tree, keys)
     path = numbers.source.folder / name
-    if not path.is_file():
+    if not is_file(path):
         raise numbers.source.placed(where, f"{dotted(keys)}: the outline {str(path)[:300]} does not exist")
     lines = text_of(numbers.source.inputs.read(name, path), path).splitlines()
     points: list[list[float]] = []

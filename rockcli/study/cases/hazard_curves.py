@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rockcli.errors import StudyError
+from rockcli.errors import StudyError, is_file
 from rockcli.scene.constants import STANDARD_G
 from rockcli.scene.ground.hazard import HazardCurve
 from rockcli.scene.units import g_of
@@ -104,7 +104,7 @@ def _curve(
     if (entry.file is None) == (not numbers) or (numbers and (entry.intensity is None or entry.rate is None)):
         raise source.error(study, keys, ": expected FILE.csv, or {intensity: [...], rate: [...]}")
     file = None if entry.file is None else source.folder / entry.file
-    if file is not None and not file.is_file():
+    if file is not None and not is_file(file):
         raise source.error(study, keys, f": there is no such file, {str(file)[:300]}")
     if file is None:
         if entry.site is not None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rockcli.errors import StudyError
+from rockcli.errors import StudyError, is_file
 from rockcli.scene.counted import counted
 from rockcli.study.document.complaints import Complaints
 from rockcli.study.document.loader import scalar
@@ -54,7 +54,7 @@ def read_table(name: str, source: Source, where: Where) -> Table:
             or with an empty cell.
     """
     path = source.folder / name
-    if not path.is_file():
+    if not is_file(path):
         raise source.placed(where, f"the table {path} does not exist")
     rows = csv_rows(source.inputs.read(name, path), path)
     if rows and len(rows[0][1]) == 1:

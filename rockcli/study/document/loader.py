@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from rockcli.errors import StudyError
+from rockcli.errors import StudyError, is_file
 from rockcli.study.document.tree import Keys, List, Map, Source, Where, dotted
 from rockcli.study.inputs import MAX_BYTES, read_bytes
 
@@ -68,7 +68,7 @@ def load_file(path: Path) -> Map:
     Raises:
         StudyError: it cannot be read, is no YAML, is empty, is too large or too deep, has a duplicate key.
     """
-    if path.suffix.lower() in (".nc", ".nc4") and path.is_file():
+    if path.suffix.lower() in (".nc", ".nc4") and is_file(path):
         raise StudyError("is a dataset, not a study: `rock table`, `rock plot` and `rock report` read it", path)
     value = load_any(path)
     if value is None:
