@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -104,6 +105,16 @@ def test_a_glob_where_no_axis_stands_says_where_it_may(here):
 )
 def test_what_is_wrong_is_said(here, file, vary, words):
     with pytest.raises(StudyError, match=words):
+        open_study(study(file, vary))
+
+
+@pytest.mark.parametrize("file", ["locked/ground.AT2", "locked/*.AT2"])
+def test_a_folder_that_may_not_be_looked_into_is_told(here, file):
+    (here / "locked").mkdir(mode=0)
+    if os.access(here / "locked", os.X_OK):
+        pytest.skip("this user may look into any folder")
+    vary = {"motion.record.file": file} if "*" in file else {}
+    with pytest.raises(MissingRecordError, match=r"Searched: .*locked \(permission denied\)"):
         open_study(study(file, vary))
 
 

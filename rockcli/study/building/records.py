@@ -106,7 +106,8 @@ class Records:
             if there:
                 self.found |= there  # where `find` would find them: no folder before this one has any
                 return list(there)
-        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {', '.join(self._searched())}"]
+        searched = ", ".join(self._searched(pattern))
+        lines = [f"{key} is {pattern[:200]!r}, which no file matches", f"Searched: {searched}"]
         raise self.source.record_error(where, "\n  ".join(lines + how_to_obtain(pattern)), MissingRecordError)
 
     def _sought(self, name: str) -> list[Path]:
@@ -189,7 +190,7 @@ class Records:
         if WILDCARDS & set(name):
             lines.append("A pattern stands for several files, which are an axis or points of its named settings:")
             lines.append("vary: {motion.record.file: PATTERN}, or vary: {motion.record: {near: {file: PATTERN}}}")
-        lines.append(f"Searched: {', '.join(self._searched())}")
+        lines.append(f"Searched: {', '.join(self._searched(name))}")
         close = get_close_matches(Path(name).name[:200], list(dict.fromkeys(self._present())), n=3, cutoff=0.6)
         if close:
             lines.append(f"Close names: {', '.join(close)}")
@@ -197,12 +198,14 @@ class Records:
         lines += how or ["Put it beside the study, into records/, or into a folder named in ROCK_RECORDS"]
         return "\n  ".join(lines)
 
-    def _searched(self) -> list[str]:
-        """The folders there are, and those of ROCK_RECORDS that are not."""
+    def _searched(self, name: str) -> list[str]:
+        """The folders there are, those on the way of a name that are locked, and those of ROCK_RECORDS that are not."""
         named = {Path(entry).absolute() for entry in _environment()}
         searched = []
         for folder in self.folders:
-            if folder.is_dir():
+            if _is_locked(inside := (folder / name).parent):
+                searched.append(f"{inside} (permission denied)")
+            elif os.path.isdir(folder):
                 searched.append(str(folder))
             elif folder.absolute() in named:
                 searched.append(f"{folder} (of ROCK_RECORDS; there is no such folder)")
@@ -215,6 +218,17 @@ class Records:
                 yield from (path.name for path in folder.iterdir() if path.is_file() and path.name.startswith(begin))
             except OSError:
                 continue
+
+
+def _is_locked(folder: Path) -> bool:
+    """Whether this user may not look into a folder, or into one above it."""
+    try:
+        os.stat(os.path.join(folder, "."))
+    except PermissionError:
+        return True
+    except (OSError, ValueError):
+        pass
+    return False
 
 
 def _key(reading: dict[str, Any], steps: dict[str, Any], g: float) -> str:
