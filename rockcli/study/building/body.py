@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rockcli.scene.body.block import Block, make_block
 from rockcli.study.building.body_mesh import build_from_mesh
 from rockcli.study.building.body_outline import BLOCK, build_solid, check_no_mesh, has_outline
-from rockcli.study.building.numbers import Numbers
+from rockcli.study.building.numbers import LARGEST, Numbers
 from rockcli.study.document.tree import Keys
 from rockcli.study.schema import OUTLINES, BlockPart, FrictionPart
 
@@ -244,7 +244,7 @@ def _angle(numbers: Numbers) -> tuple[Any, Any]:
 
 def _finite(numbers: Numbers, block: Block, names: list[str]) -> Block:
     for values in (block.h, block.b, block.tan_alpha, block.alpha, block.R, block.inertia):
-        good = (values > 0.0) & (values < np.inf)
+        good = (values > 0.0) & (values < LARGEST)
         numbers.require((*BLOCK, names[-1]), good, f"{' and '.join(names)} give no body of finite size")
     numbers.require((*BLOCK, names[-1]), block.alpha < 0.5 * np.pi, "alpha must be below pi/2")
     too_slender = (
