@@ -9,8 +9,8 @@ check`, and half of those that pass and are small through `rock run`.  `records`
 through `rock records info` and a study.  `kills`: runs of three studies that are ended by one to three signals at any
 moment; the run after that must give the dataset of a run that nobody touched, to the last bit.
 
-A fault is an exit code that docs/ci.md does not know, "this is a bug in rock", no sentence beside exit 2, something left
-behind by exit 2, or no end within 90 s.  Faults are kept in the folder.  Counts by exit code are printed.
+A fault is an exit code that docs/ci.md does not know, "this is a bug in rock", a warning of Python, no sentence beside
+exit 2, something left behind by exit 2, or no end within 90 s.  Faults are kept in the folder.  Counts by exit code are printed.
 """
 
 from __future__ import annotations
@@ -226,7 +226,7 @@ def command(args: list[str]) -> Found:
 def fault_of(found: Found, allowed: tuple[int, ...]) -> str:
     """What is wrong with the end of a command, or nothing."""
     code, _, errors = found
-    if code not in allowed or "bug in rock" in errors or "Traceback" in errors:
+    if code not in allowed or any(word in errors for word in ("bug in rock", "Traceback", ".py:")):
         return f"{code}: {errors[-300:]}"
     return "exit 2 without a sentence" if code == 2 and not errors.strip() else ""
 
