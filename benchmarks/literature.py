@@ -146,6 +146,25 @@ def sizes(dataset: xarray.Dataset) -> Found:
     return f"{found.min():.3f} to {found.max():.3f}", "none" if off < 1e-6 else f"{off:.0e}"
 
 
+def steady(dataset: xarray.Dataset) -> Found:
+    """The amplitudes of steady rocking beside those of the closed form, which the study expects."""
+    found = dataset["theta_peak_over_alpha"].values
+    off = np.abs(found / (0.431060333331, 0.221203093843, 0.200777447045, 0.172218815485) - 1.0).max()
+    return f"{', '.join(f'{value:.6f}' for value in found)}", "none" if off < 1e-9 else f"{off:.0e}"
+
+
+def ends_of_steady(dataset: xarray.Dataset) -> Found:
+    """What one per cent of the amplitude does at either limit of the symmetric steady state."""
+    at_rest, rocks = (float(dataset["theta"].sel(case=f"{side} the first")[-1]) == 0.0 for side in ("below", "above"))
+    near, far = dataset["theta_peak_over_alpha"].values[2:] / (0.6409576529, 0.6514437057) - 1.0
+    assert at_rest
+    assert not rocks
+    return (
+        f"by 1 % of A: comes to rest, rocks on; keeps within {100.0 * near:.1f} %, swings {100.0 * far:.0f} % farther to one side",
+        "none",
+    )
+
+
 RIGID = "Makris and Roussos 2000"
 SPECTRUM = "Makris and Konstantinidis 2003"
 CYCLOIDS = "Zhang and Makris 2001"
@@ -157,6 +176,20 @@ ROWS = (
         "1/(1 - exp(-p t))",
         "housner-1963",
         sizes,
+    ),
+    Row(
+        "Spanos and Koh 1984",
+        "steady rocking under A cos(omega t), linearized: amplitude for (omega/p, A/(alpha g), eta) of (1.5, .3, .8), (3, 1, .9), (5, 4, .925), (8, 10, .9)",
+        "closed form, derived anew",
+        "spanos-koh-1984",
+        steady,
+    ),
+    Row(
+        "Hogan 1989",
+        "limits of it, omega/p 3, eta .9: none below A = .12115 alpha g; not stable above 5.25440 alpha g",
+        "closed forms, derived anew",
+        "hogan-1989",
+        ends_of_steady,
     ),
     Row(
         f"{RIGID}, Fig. 2",
