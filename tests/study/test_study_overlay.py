@@ -205,6 +205,7 @@ class TestAlternatives:
             ({"case": {"block": {"mu": 0.5}, "block.mu": 0.4}}, "block.mu and block.mu say the same thing"),
             ({"motion": {"pulse": {"a_p": 3}, "pulse.a_p_over_g_tan_alpha": 2}}, "say the same thing"),
             ({"motion": {"puls.a_p": 3}}, "'motion.puls.a_p' is not a path inside the case"),
+            ({"case": {"let": {"k": 3}}}, "a symbol of `let` is set by itself, as let.NAME"),
         ],
     )
     def test_what_cannot_stand_together_is_said(self, vary, expected):

@@ -128,6 +128,8 @@ def likely(text: str) -> str | None:
 
 
 def _hint(text: str) -> str:
+    if text.split(".")[0] == "let":
+        return "a symbol of `let` is set by itself, as let.NAME"
     close = likely(text)
     return nearest(text, _all_paths()) if close is None else f"did you mean {close!r}?"
 
