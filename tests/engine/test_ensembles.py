@@ -178,6 +178,19 @@ def test_a_median_that_answers_are_missing_of_is_told_with_both_ends():
     assert f"p_overturned would be 0 or 1, the median of overturning none or {least / G:.4g} g (where most)" in said
 
 
+def test_a_median_that_only_missing_answers_could_make_is_told():
+    """None overturns, so there is no curve; if the bodies without an answer overturned there would be one."""
+    outcome = np.ones((5, 16))
+    outcome[0, 6], outcome[:2, 7], outcome[:, 8:] = -1, -1, -1
+    outcome[0, 8:] = 1
+    peak = np.where(outcome < 0, np.nan, 0.3)
+    contents, _ = handmade(outcome, peak)
+    told, least, most = (contents.values(f"fragility_median{end}")[-1] for end in ("", "_low", "_high"))
+    assert np.isnan([told, most]).all()
+    said = next(one for one in json.loads(contents.attrs["warnings"]) if "have no answer" in one)
+    assert f"the median of overturning none or {least / G:.4g} g" in said
+
+
 def test_members_count_by_the_share_of_their_runs():
     outcome = np.ones((5, 16))
     outcome[:, 8:] = 3

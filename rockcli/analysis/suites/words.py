@@ -174,8 +174,9 @@ def _bracket(contents: Contents) -> str:
     said = f"p_overturned would be {low[widest]:.3g} or {high[widest]:.3g}"
     if "fragility_median" in contents.fields:
         told, least, most = (contents.values(f"fragility_median{end}")[..., -1] for end in ("", "_low", "_high"))
-        # an end without a curve leaves a median that is told open on that side
-        apart = np.where(np.isfinite(told), np.nan_to_num(np.abs(np.log(most / least)), nan=np.inf), -1.0)
+        # an end without a curve leaves the median open on that side
+        known = np.isfinite([told, least, most]).any(axis=0)
+        apart = np.where(known, np.nan_to_num(np.abs(np.log(most / least)), nan=np.inf), -1.0)
         worst = np.unravel_index(int(np.argmax(apart)), apart.shape)
         if apart[worst] >= 0.0:
             units = units_of(contents)
