@@ -159,7 +159,7 @@ def default_kinds(dataset: xarray.Dataset) -> tuple[str, ...]:
     """Kinds of figure the content suggests: a map for numeric sweeps, histories and portraits where there are any."""
     chosen = [] if body.without_outline(dataset) else ["body"]
     if not barriers.without_barriers(dataset):
-        chosen = ["barriers"]
+        chosen = ["barriers"] if np.isfinite(dataset["barrier"].values).all() else ["body", "barriers"]
     numeric = [a for a in axes_of(dataset) if is_numeric(dataset, a) and dataset.sizes[a] >= 3]
     if not _without_histories(dataset):
         moves = _moves(dataset, "theta")

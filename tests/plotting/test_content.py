@@ -678,3 +678,19 @@ def test_the_page_tells_the_rotation_nearest_to_alpha_beside_its_margin() -> Non
     assert largest > nearest
     assert told["rotation nearest to alpha"] == f"{nearest:.3g}°"
     assert told["margin"] == f"{100.0 - 100.0 * np.radians(nearest) / float(dataset['alpha_left']):.3g} %"
+
+
+def test_the_bodies_of_a_mixed_list_are_all_drawn_and_the_page_has_them_beside_the_barriers():
+    """The figure of bodies left out those of sizes, without a word, and a mesh among them took its place."""
+    triangle = [[-0.3, 0.0], [0.3, 0.0], [0.0, 1.5]]
+    bodies = {"cone": {"outline": triangle}, "stele": {"height": 1.6, "width": 0.3}, "box": {"h": 0.7, "b": 0.2}}
+    study = {"case": {"block": {"height": 1.0, "width": 0.2}, "initial": {"theta": 0.01}}, "vary": {"block": bodies}}
+    data = rockcli.run({**study, "save": {"histories": False}})
+    drawn = rockcli.plot(data, "body")
+    assert [axes.get_title() for axes in drawn.axes if axes.get_title()] == list(bodies)
+    over = np.full((3, 4), np.nan)
+    data["barrier"] = (("block", "azimuth"), over)
+    data["barrier"][0] = 0.1
+    assert figures.default_kinds(data)[:2] == ("body", "barriers")
+    data["barrier"][:] = 0.1
+    assert figures.default_kinds(data)[0] == "barriers"

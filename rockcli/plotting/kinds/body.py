@@ -1,4 +1,4 @@
-"""Bodies of an outline: polygons, centre of mass, the two edges, and alpha of each."""
+"""Bodies: outlines or rectangles, centre of mass, the two edges, and alpha of each."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from rockcli.plotting.common.cases import axes_of, group_label, selection_note, spread
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.response import edges
-from rockcli.plotting.common.shape import NARROWEST, body_of, outline, outline_at, path_of, with_room_beside
+from rockcli.plotting.common.shape import NARROWEST, body_of, outline, path_of, with_room_beside
 from rockcli.plotting.common.style import (
     BODY_EDGE,
     BODY_FACE,
@@ -60,19 +60,20 @@ _OF_BODY = ("outline_x", "outline_z", "R", "alpha", "R_left", "R_right", "alpha_
 
 def without_outline(dataset: xarray.Dataset) -> str:
     """Why a dataset has no body to draw; "" if it has."""
-    if "outline_x" not in dataset.variables or not _bodies(dataset):
+    if "outline_x" not in dataset.variables or not np.isfinite(dataset["outline_x"].values).any():
         return "the dataset holds no outline of a body"
     return ""
 
 
 def without_body(dataset: xarray.Dataset) -> str:
     """Why a dataset has no body to draw, of an outline or a rectangle; "" if it has."""
-    return "" if {"R", "alpha"} <= set(map(str, dataset.variables)) else "the dataset holds no R and alpha of a body"
+    known = {"R", "alpha"} <= set(map(str, dataset.variables)) and np.isfinite(dataset["R"].values).any()
+    return "" if known else "the dataset holds no R and alpha of a body"
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
     """One panel per body."""
-    bodies = _bodies(dataset) or _rectangles(dataset)
+    bodies = _bodies(dataset)
     shown = spread(bodies, MOST_PANELS)
     rows, columns = grid_of(len(shown))
     width = width_or(SINGLE * 1.25 if columns == 1 else DOUBLE)
@@ -104,18 +105,12 @@ def _named(dataset: xarray.Dataset) -> list[str]:
 
 
 def _bodies(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
-    """Where on the axes each body of an outline is first met."""
-    named = _named(dataset)
-    sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes_of(dataset)]
-    positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
-    return [position for position in positions if outline_at(dataset, position) is not None]
-
-
-def _rectangles(dataset: xarray.Dataset) -> list[tuple[int, ...]]:
-    """Where on the axes each R and alpha is first met."""
-    named = _named(dataset)
-    sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes_of(dataset)]
-    return [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
+    """Where on the axes each body is first met: one of an outline or, beside or without such, a rectangle."""
+    named, axes = _named(dataset), axes_of(dataset)
+    R = dataset["R"].transpose(*(axis for axis in axes if axis in dataset["R"].dims))
+    sizes = [int(dataset.sizes[axis]) if axis in named else 1 for axis in axes]
+    known = np.isfinite(R.values).reshape([dataset.sizes[axis] if axis in R.dims else 1 for axis in axes])
+    return [tuple(int(i) for i in position) for position in np.argwhere(np.broadcast_to(known, sizes))]
 
 
 def _draw(axes: Axes, dataset: xarray.Dataset, position: tuple[int, ...], *, beside: bool, narrow: bool) -> None:
