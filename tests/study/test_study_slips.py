@@ -38,6 +38,10 @@ class TestExpressions:
             ("20%", "write 0.2$"),
             ("2.5 %", "write 0.025$"),
             ("10\N{DEGREE SIGN}", r"write 10\*deg"),
+            ("5e-1 g", r"write 5e-1\*g"),
+            ("0.45 +- 0.05", "off by under `uncertain`"),
+            ("45*cm +/- 5*cm", "off by under `uncertain`"),
+            ("0.45\N{PLUS-MINUS SIGN}0.05", "off by under `uncertain`"),
         ],
     )
     def test_slips(self, text, words):

@@ -170,6 +170,11 @@ def parse(text: str) -> Expression:
     text = text.strip()
     if not text:
         raise ExpressionError("is empty: a number or an arithmetic expression is expected")
+    if _PLUS_MINUS.search(text):  # 0.45 +- 0.05 would be 0.4
+        raise ExpressionError(
+            f"{shown!r} is not arithmetic: write the value alone, and what it may be off by under `uncertain`: "
+            "{normal: [mean, standard deviation]}"
+        )
     if not _TOKENS.match(text):
         allowed = "numbers, names, + - * / **, ( ) and functions are allowed"
         raise ExpressionError(f"{shown!r} is not arithmetic: {_slip(text) or allowed}")
@@ -187,7 +192,8 @@ def parse(text: str) -> Expression:
 _SHARE = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)\s*%")
 _DEGREES = re.compile(r"(-?[0-9.]+)\s*\N{DEGREE SIGN}")
 _COMMA = re.compile(r"[0-9],[0-9]")
-_PRODUCT = re.compile(r"(?<![\w.])([0-9]+\.?[0-9]*|\.[0-9]+)\s*([A-Za-z_]\w*|\()")
+_PRODUCT = re.compile(r"(?<![\w.])((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([A-Za-z_]\w*|\()")
+_PLUS_MINUS = re.compile(r"\N{PLUS-MINUS SIGN}|\+\s*/\s*-|(?<![eE])\+-\s*[0-9.]+(\s*\*\s*[A-Za-z]+)?\s*$")
 
 
 def _slip(text: str) -> str | None:
