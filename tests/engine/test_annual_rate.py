@@ -391,6 +391,16 @@ def test_a_curve_that_ends_below_the_fragility_is_no_rate_of_zero_alone(tmp_path
     assert "can add up to 1e-05 a year to a rate of 0 (annual_rate_above): are its units right?" in told
 
 
+def test_no_curve_is_consistent_without_a_doubt_with_what_it_does_not_tell():
+    """A curve that ends where bodies begin to fall allows any age; with the rate of its last point it may not."""
+    low = {"label": "low", "intensity": ["0.05*g", "0.1*g"], "rate": [2e-2, 1e-3]}
+    for age, doubt in ((500.0, False), (2900.0, False), (3100.0, True)):  # 5 % at rate times age of 2.996
+        says = json.loads(rockcli.run(study(hazard=low, age=age)).attrs["ensemble"])["says"]
+        (said,) = (one for one in says if "years under low" in one)
+        assert "is consistent with low" in said
+        assert ("though not with what motions beyond its end can add, 0.001 a year" in said) == doubt
+
+
 def test_a_curve_that_begins_too_late_is_a_warning():
     late = {"label": "late", "intensity": ["0.15*g", "0.3*g"], "rate": [1e-2, 1e-3]}
     said = " ".join(json.loads(rockcli.run(study(hazard=late)).attrs["warnings"]))

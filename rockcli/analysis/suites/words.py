@@ -538,6 +538,9 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 least, most = (float(np.exp(-end * over.age)) for end in rates)
                 if least < CONSISTENT <= most:
                     known += f", though not at the {'lower' if survives >= CONSISTENT else 'upper'} limit"
+                beyond_it = float(contents.values("annual_rate_above")[last])
+                if np.exp(-(rate[last] + beyond_it) * over.age) < CONSISTENT <= survives:
+                    known += f", though not with what motions beyond its end can add, {beyond_it:.2g} a year"
                 limits = "" if np.isnan(least) else f" (95 % {_near_one(least)} to {_near_one(most)})"
                 yield (
                     f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
