@@ -19,7 +19,7 @@ from rockcli.scene.laws.damping import Fema356
 from rockcli.scene.rules import RULES, Facts, Rule, Spectra
 from rockcli.solvers import fema356
 from rockcli.storage.contents import Contents, variable_field
-from rockcli.study.cases.buildable import buildable
+from rockcli.study.cases.buildable import by_motion
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ def with_rules(contents: Contents, study: Study) -> Contents:
         values = {name: np.full(study.size, np.nan) for name in study.rules}
         known: dict[tuple[object, ...], Array] = {}
         with np.errstate(all="ignore"):
-            for indices, batch in buildable(study.batches, np.arange(study.size)):
+            for indices, batch in by_motion(study.suites, np.arange(study.size)):
                 for name in study.rules:
                     values[name][indices] = _evaluate(name, batch, study.rules_spectrum, known)
         for name, flat in values.items():

@@ -12,7 +12,7 @@ from rockcli.scene.batch import Batch
 from rockcli.scene.ground.excitation import Channel, Samples
 from rockcli.scene.variables import VARIABLES
 from rockcli.storage.contents import Contents
-from rockcli.study.cases.buildable import buildable
+from rockcli.study.cases.buildable import by_motion
 from rockcli.study.intensity import GROUND, bare, period_of
 from rockcli.study.study import Study
 
@@ -56,7 +56,7 @@ def _motion(batch: Batch, *, of_ground: bool) -> Channel | None:
 def _peak_of_ground(study: Study, name: str) -> Array:
     """PGA [m/s^2] or PGV [m/s] of the ground of every case, (n,)."""
     found = np.full(study.size, np.nan)
-    for indices, batch in buildable(study.batches, np.arange(study.size)):
+    for indices, batch in by_motion(study.suites, np.arange(study.size)):
         pga, pgv = peaks(_motion(batch, of_ground=True), len(indices), batch.excitation.duration)
         found[indices] = pgv if name == "pgv" else pga
     return found
@@ -66,17 +66,18 @@ def _spectral(study: Study, period: float, *, of_ground: bool) -> Array:
     """Pseudo-spectral acceleration at 5 % of the horizontal motion of every case, (n,) [m/s^2]."""
     found = np.full(study.size, np.nan)
     known: dict[tuple[bytes, float, float], float] = {}
-    for indices, batch in buildable(study.batches, np.arange(study.size)):
+    for indices, batch in by_motion(study.suites, np.arange(study.size)):
         motion = _motion(batch, of_ground=of_ground)
         if motion is None:
             continue
+        raw = motion.values.tobytes() if isinstance(motion, Samples) else b""
         for i, index in enumerate(indices):
             duration = batch.excitation.duration[i]
             until = np.inf if np.isnan(duration) else float(duration)
             size = 1.0
             if isinstance(motion, Samples):  # of records scaled up and down the spectrum is found once
                 size = abs(float(np.broadcast_to(motion.factor, (batch.size,))[i]))
-            key = (motion.values.tobytes(), motion.dt, until) if isinstance(motion, Samples) else None
+            key = (raw, motion.dt, until) if isinstance(motion, Samples) else None
             if key is None or key not in known or not size > 0.0:
                 S_a = float(pseudo_acceleration(forcing(motion, i, until), np.array([period]))[0])
                 found[index] = S_a
@@ -93,6 +94,6 @@ def moves_at(study: Study, *, slides: bool) -> Array:
     If `slides`, at and below which it does not slip either, which friction may allow before.  NaN: see `lifts_at`.
     """
     found = np.full(study.size, np.nan)
-    for indices, batch in buildable(study.batches, np.arange(study.size)):
+    for indices, batch in by_motion(study.suites, np.arange(study.size)):
         found[indices] = lifts_at(batch, slides=slides)
     return found

@@ -19,7 +19,7 @@ from rockcli.scene.uncertain.statistics import pearson, spearman
 from rockcli.scene.variables import MEASURE, MEASURES
 from rockcli.storage.contents import Contents, Field, text, variable_field
 from rockcli.storage.reduced import reduce
-from rockcli.study.cases.buildable import buildable
+from rockcli.study.cases.buildable import by_motion
 from rockcli.study.study import Study
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def _of_records(study: Study) -> tuple[dict[str, Array], Array]:
     values = {name: np.full(study.size, np.nan) for name in OF_RECORDS}
     g = np.full(study.size, np.nan)
     known: dict[tuple[bytes, float, float], dict[str, float]] = {}
-    for indices, batch in buildable(study.batches, np.arange(study.size)):
+    for indices, batch in by_motion(study.suites, np.arange(study.size)):
         g[indices] = batch.g
         motion = batch.excitation.horizontal
         if not isinstance(motion, Samples):

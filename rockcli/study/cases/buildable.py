@@ -65,3 +65,12 @@ def buildable(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
             raise MachineError(batch)
         if not isinstance(batch, str):
             yield part, batch
+
+
+def by_motion(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
+    """`buildable`, where batches of many records, built once for all of them, are taken apart by their motions."""
+    for part, batch in buildable(build, cases):
+        if batch.excitation.suite is None:
+            yield part, batch
+        else:
+            yield from ((part[rows], one) for rows, one in batch.apart())
