@@ -49,7 +49,7 @@ class Progress:
         self._draw(at_once=True)
 
     def listen(self) -> None:
-        """Show beside the bar what a long case tells of itself (`rockcli.solvers` logs it at INFO)."""
+        """Show beside the bar what a long case, the statistics and figures tell of themselves (logged at INFO)."""
         if not self.shown:
             return
         import logging
@@ -60,7 +60,7 @@ class Progress:
             def emit(self, record: logging.LogRecord) -> None:
                 line.note(record.getMessage())
 
-        logger = logging.getLogger("rockcli.solvers")
+        logger = logging.getLogger("rockcli")
         logger.setLevel(logging.INFO)
         logger.handlers = [Logged()]
 

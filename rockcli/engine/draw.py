@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +21,8 @@ from rockcli.storage.read import of_a_part, open_dataset, with_axes_left
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
+
+log = logging.getLogger(__name__)
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -105,6 +108,7 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
         check_file(target)
     drawn, complaints = [], []
     for (kind, look), target in zip(asked, targets, strict=True):
+        log.info("drawing %s", target.name)
         try:
             drawn.append(_write(dataset, kind, look, target))
         except StudyError as error:

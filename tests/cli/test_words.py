@@ -145,7 +145,7 @@ def test_a_long_case_tells_how_far_it_is(capsys, monkeypatch):
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("NO_COLOR", "1")
-    logger = logging.getLogger("rockcli.solvers")
+    logger = logging.getLogger("rockcli")
     before = (logger.level, list(logger.handlers))
     try:
         line = Progress("tower", shown=True)

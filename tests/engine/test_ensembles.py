@@ -15,7 +15,7 @@ from rockcli.analysis.fragility.curves import Seen, curves
 from rockcli.analysis.suites import words
 from rockcli.analysis.suites.intensity import moves_at
 from rockcli.analysis.suites.statistics import with_ensembles
-from rockcli.engine.run import solve
+from rockcli.engine.run import run_study, solve
 from rockcli.engine.summary import report_on
 from rockcli.errors import StudyError
 from rockcli.motion.measures import measures
@@ -810,3 +810,12 @@ def test_fragility_of_a_search_is_the_sample_of_its_thresholds():
     assert np.isinf(censored["motion_pulse_a_p_overturning"].values).any()
     with pytest.raises(StudyError, match="of a search is one of pga"):
         rockcli.run(study(vary=vary, over={"axis": "motion.pulse.omega_p", "intensity": "pgv_over_pga"}))
+
+
+def test_how_far_the_curves_of_many_bodies_and_the_figures_are_is_logged(tmp_path, caplog):
+    """After the last case a terminal showed nothing new for as long as that took: 15 s of 500 bodies."""
+    caplog.set_level("INFO", "rockcli")
+    plan = study() | {"vary": {"block.R": [3, 4, 5], **study()["vary"]}, "plots": ["fragility"]}
+    run_study(open_study(plan), tmp_path)
+    told = [f"fragility of body {i} of 3" for i in (1, 2, 3)] + ["drawing fragility.png"]
+    assert [record.getMessage() for record in caplog.records if record.name.startswith("rockcli")] == told

@@ -214,7 +214,7 @@ def _serve(pipe: Connection, foreign: list[Connection], work: Work[Any], parent:
     for other in foreign:
         other.close()
     threading.Thread(target=_end_with, args=(parent, place), daemon=True).start()
-    logging.getLogger("rockcli.solvers").handlers = []  # the progress line is the parent's
+    logging.getLogger("rockcli").handlers = []  # the progress line is the parent's
     np.seterr(all="ignore")
     while True:
         try:
