@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -116,6 +117,21 @@ print(plt.figure().add_subplot(projection="3d").name, "linewidth" in plt.Line2D.
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["3d", "True"]
+
+
+def test_a_command_draws_whatever_shows_figures_elsewhere(tmp_path: Path) -> None:
+    """Notebooks set MPLBACKEND, and pass it on to `!rock run`, which may lack the package that it names."""
+    (tmp_path / "a.yaml").write_text(FIRST)
+    done = subprocess.run(
+        [sys.executable, "-m", "rockcli", "run", "a.yaml"],
+        cwd=tmp_path,
+        env=os.environ | {"MPLBACKEND": "somebody's own"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len([*tmp_path.rglob("*.png")]) == 2
 
 
 AT_THE_END = """
