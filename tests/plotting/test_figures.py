@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray
@@ -15,6 +16,7 @@ from rockcli.plotting import figures
 from rockcli.plotting.common.labels import axis_label, coordinate_label, unit_g, unit_in_brackets, variable_label
 from rockcli.plotting.common.style import save
 from rockcli.plotting.kinds.map import is_log, plane
+from rockcli.plotting.page.elements import image
 from rockcli.scene.variables import VARIABLES
 from rockcli.study.document.paths import UNITS
 from rockcli.study.schema import PLOTS
@@ -98,6 +100,18 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
         elsewhere = [bytes(rng.randrange(1, 4000)) for _ in range(rng.randrange(20_000))][::2]
     assert elsewhere
     assert len({(tmp_path / f"{name}.svg").read_bytes() for name in "abcdef"}) == 1
+
+
+def test_settings_of_the_user_change_no_figure(tmp_path: Path) -> None:
+    """As those of a `matplotlibrc`: LaTeX, which may be missing and takes % for the end of a line, grids, margins."""
+    settings = {"text.usetex": True, "axes.grid": True, "axes.xmargin": 0.3, "savefig.bbox": "tight"}
+    pages = []
+    for name, theirs in (("plain", {}), ("theirs", settings)):
+        with mpl.rc_context(theirs):
+            save(figures.figure("histories", histories(2)), tmp_path / f"{name}.png")
+            pages.append(image(figures.figure("phase", histories(2)), "words"))
+    assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "theirs.png").read_bytes()
+    assert pages[0] == pages[1]
 
 
 def test_a_study_can_ask_for_every_kind_and_for_no_other() -> None:

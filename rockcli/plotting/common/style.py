@@ -60,7 +60,12 @@ BODY_FACE, BODY_EDGE, GROUND_LINE = "#D5DEE6", "#2F3E4C", "#8C7B6B"
 QUIET = "#8A8A8A"
 """Reference lines."""
 
-RC: Any = {
+_OF_PLACE = ("backend", "backend_fallback", "animation")
+"""Settings of Matplotlib that are of a place and its programs, not of figures."""
+
+_DEFAULTS = {key: mpl.rcParamsDefault[key] for key in mpl.rcParamsDefault if key.split(".")[0] not in _OF_PLACE}
+
+RC: Any = _DEFAULTS | {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 9.0,
@@ -95,6 +100,7 @@ RC: Any = {
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
 }
+"""All that Matplotlib can be told of a figure: what a `matplotlibrc` says, as `text.usetex`, is not for these."""
 
 _UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 

@@ -46,9 +46,9 @@ def folded(title: str, body: str) -> str:
 def image(drawn: Figure, words: str) -> str:
     """A figure in the page: scalable, or a picture where it would be heavy."""
     width = int(drawn.get_figwidth() * 130)
-    style.settle(drawn)
     code = io.StringIO()
     with mpl.rc_context({**style.RC, "svg.fonttype": "path"}), style.no_word_of_glyphs():
+        style.settle(drawn)
         drawn.savefig(code, format="svg", metadata={"Date": None, "Creator": None})
     text = code.getvalue()
     if len(text) <= _HEAVY:
@@ -69,9 +69,9 @@ def _of_its_own(drawing: str) -> str:
 def picture(drawn: Figure, words: str) -> str:
     """A figure in the page, as pixels."""
     width = int(drawn.get_figwidth() * 130)
-    style.settle(drawn)
     file = io.BytesIO()
     with mpl.rc_context(style.RC), style.no_word_of_glyphs():
+        style.settle(drawn)
         drawn.savefig(file, format="png", dpi=_DPI)
     data = base64.b64encode(file.getvalue()).decode("ascii")
     return f'<img src="data:image/png;base64,{data}" alt="{escape(words)}" style="width:{width}px">'
