@@ -71,6 +71,19 @@ class TestKeyByKey:
     def test_what_a_setting_does_not_say_stays(self, vary, by_hand):
         assert one(vary) == merged(**by_hand)
 
+    @pytest.mark.parametrize("first", ["pulse", "record"])
+    def test_nulls_of_a_record_leave_the_pulse_and_the_other_way_round(self, first, tmp_path):
+        """Rows of pulses and of records in one table, whichever columns stand first."""
+        columns = {"pulse": {"a_p": ("5", "null")}, "record": {"file": ("null", OTHER), "pga": ("null", "3")}}
+        order = [first, *(columns.keys() - {first})]
+        head = [f"motion.{key}.{name}" for key in order for name in columns[key]]
+        rows = [[cells[i] for key in order for cells in columns[key].values()] for i in range(2)]
+        lines = [["name", *head], ["a", *rows[0]], ["b", *rows[1]]]
+        (tmp_path / "motions.csv").write_text("\n".join(",".join(line) for line in lines))
+        pulse, record = cases_of(BASE, {"case": str(tmp_path / "motions.csv")})
+        assert pulse == merged(motion={"pulse": {**SINE, "a_p": 5}, "duration": 9})
+        assert record == merged(motion={"record": {"file": OTHER, "pga": 3}, "duration": 9})
+
     def test_the_top_of_the_base_case_is_not_lost(self):
         assert one({"block": {"height": 2.0, "width": 0.5}})["block"]["top"] == 3.0
 

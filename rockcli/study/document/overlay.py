@@ -77,7 +77,7 @@ def displaced(over: dict[str, Any]) -> set[str]:
     These are the alternatives of its keys; other sizes, plane and outline of a body of which it gives two sizes; sizes,
     inertia and plane of a body of which it gives the outline; and what the kind that it names does not take.
     """
-    said = {key for key, value in over.items() if value is not None}
+    said = {key for key, value in over.items() if not _is_nothing(value)}
     gone = {other for key in said for other in alternatives(key)}
     if len(sizes_of(over)) >= 2:
         gone |= _ALL_SIZES | {*OUTLINES} | {"density", "depth"} | _OF_OUTLINE | _OF_MESH | {"stands"}
@@ -94,6 +94,13 @@ def displaced(over: dict[str, Any]) -> set[str]:
         takes = KINDS[key].get(str(over[key]))
         gone |= set() if takes is None else {k for keys in KINDS[key].values() for k in keys} - set(takes)
     return gone - over.keys()
+
+
+def _is_nothing(value: Any) -> bool:
+    """Whether a value takes away alone: null, or a mapping of nulls, as cells of a table are."""
+    if isinstance(value, Map) and value and not value.whole:
+        return all(map(_is_nothing, value.values()))
+    return value is None
 
 
 def laid(tree: dict[str, Any], over: Map) -> Map:
@@ -115,6 +122,8 @@ def _laid(tree: dict[str, Any], over: Map, *, symbols: bool) -> Map:
         elif isinstance(value, Map) and not value.whole:
             below = copy.get(key)
             if not isinstance(below, dict):
+                if _is_nothing(value):
+                    continue
                 below, copy.where[key] = {}, over.where.get(key)
             copy[key] = _laid(below, value, symbols=key == "let")
         else:
