@@ -84,6 +84,21 @@ class TestKeyByKey:
         assert pulse == merged(motion={"pulse": {**SINE, "a_p": 5}, "duration": 9})
         assert record == merged(motion={"record": {"file": OTHER, "pga": 3}, "duration": 9})
 
+    @pytest.mark.parametrize(
+        "point",
+        [
+            {"motion.pulse.a_p": 5, "motion.record.file": OTHER},
+            {"motion.record": OTHER, "motion.pulse": SINE | {"a_p": 5}},
+            {"motion.vertical.record.file": OTHER, "motion.vertical.pulse.shape": "ricker"},
+        ],
+    )
+    def test_a_point_is_of_a_pulse_or_of_a_record(self, point):
+        """Which of them counted hung on their order, and of two points on that of the first."""
+        names = [next(key for key in point if word in key) for word in ("pulse", "record")]
+        with pytest.raises(StudyError, match=r"vary\.case\.a: .*(exclude each other|say the same thing)") as error:
+            one({"case": point})
+        assert all(name in str(error.value) for name in names)
+
     def test_the_top_of_the_base_case_is_not_lost(self):
         assert one({"block": {"height": 2.0, "width": 0.5}})["block"]["top"] == 3.0
 

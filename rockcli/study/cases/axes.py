@@ -463,11 +463,12 @@ class _Reader:
 
     def once(self, names: list[str], paths: list[Path], *more: str | int) -> None:
         """Refuse keys of one point that say the same thing twice."""
-        if (twice := same_twice(paths)) is not None:
+        if (twice := same_twice(paths, inside=True)) is not None:
             first, last = (names[i] for i in twice)
             heights = {paths[i][-2:] for i in twice} == {("block", key) for key in HEIGHT}
             why = f": {UNEVEN}" if heights else ""
-            raise self.fail(f": {first} and {last} say the same thing; leave one out{why}", *more)
+            what = "say the same thing" if same_twice(paths) == twice else "exclude each other"
+            raise self.fail(f": {first} and {last} {what}; leave one out{why}", *more)
 
     def below(self, key: str, *more: str | int) -> Path:
         """The path of a key written below the axis' own."""

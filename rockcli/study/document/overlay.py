@@ -230,10 +230,17 @@ def _marked(tree: dict[str, Any], at: Path = ()) -> Map:
     )
 
 
-def same_twice(paths: Sequence[Path]) -> tuple[int, int] | None:
-    """Places of the first two paths that are equal or say the same thing in two ways; None if there are none."""
+def same_twice(paths: Sequence[Path], *, inside: bool = False) -> tuple[int, int] | None:
+    """Places of the first two paths that are equal or say the same thing in two ways; None if there are none.
+
+    `inside`: or that lie inside two keys that cannot stand together, as those of a pulse and of a record.
+    """
     for j, path in enumerate(paths):
         for i, other in enumerate(paths[:j]):
-            if path == other or (path[:-1] == other[:-1] and other[-1] in alternatives(path[-1]) and path[0] != "let"):
+            k = next((k for k, (a, b) in enumerate(zip(path, other, strict=False)) if a != b), None)
+            if k is None:
+                if path == other:
+                    return i, j
+            elif path[0] != "let" and other[k] in alternatives(path[k]) and (inside or path[:-1] == other[:-1]):
                 return i, j
     return None
