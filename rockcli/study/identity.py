@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-import numpy as np
 import yaml
 
 from rockcli import version
@@ -70,11 +69,14 @@ def sweep_id(
     axes = []
     for variation in variations:
         axis, points = variation.axis, None
-        if variation.columns is not None and not variation.settings and not axis.numeric:
-            paths = [".".join(path) for path in variation.columns]
-            points = [content([paths, row]) for row in np.column_stack(list(variation.columns.values())).tolist()]
-        elif not axis.numeric:
-            points = [content([[".".join(path), value] for path, value, _ in point]) for point in variation.settings]
+        if not axis.numeric:  # a point is told alike whether all are columns or, beside one of words, settings
+            columns = {".".join(path): of.tolist() for path, of in (variation.columns or {}).items()}
+            told: Iterable[dict[str, Any]] = (
+                ({".".join(path): value for path, value, _ in point} for point in variation.settings)
+                if variation.settings
+                else (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+            )
+            points = [content(point) for point in told]
         axes.append([axis.name, axis.path, points, variation.find])
         base = _only(base, remaining(base, variation.points()))
     put = [value for variation in variations for point in variation.settings for _, value, _ in point]

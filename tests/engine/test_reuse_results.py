@@ -53,6 +53,22 @@ def test_only_the_new_points_are_solved(
     assert_same(wanted, found)
 
 
+@pytest.mark.parametrize(
+    "added", [{"block.mu": None}, {"block.mu": "2*alpha"}, {"block.mu": 0.7, "damping": "none"}], ids=str
+)
+def test_a_point_of_words_beside_points_of_numbers(added: dict[str, Any], tmp_path: Path, counted: list[int]) -> None:
+    """Rows of numbers are columns until one has a word: they are the same rows."""
+    rows = {name: {"block.mu": mu, "block.R": R} for name, mu, R in (("a", 0.5, 1.0), ("b", 0.6, 2.0))}
+    run_study(study(vary={"case": rows}), tmp_path, plots=False)
+    counted.clear()
+    longer = study(vary={"case": {"new": {"block.R": 3.0} | added} | rows})
+    report = run_study(longer, tmp_path, plots=False)
+    assert (report.taken_over, sum(counted)) == (2, 1)
+    found, wanted = netcdf.read(tmp_path / "swept" / "swept.nc"), solved(longer)
+    found.attrs["solver_settings"] = wanted.attrs["solver_settings"]
+    assert_same(wanted, found)
+
+
 @pytest.mark.parametrize("before", [["third", "first", "second"], ["first", "second"]])
 def test_equal_bodies_of_two_names_keep_their_own_answers(
     before: list[str], tmp_path: Path, counted: list[int]
