@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from rockcli import version
+from rockcli.study.cases.file_names import names_in
 from rockcli.study.cases.variation import Variation
 from rockcli.study.document.loader import scalar
 from rockcli.study.document.overlay import Path, overlaid, remaining
@@ -53,8 +54,8 @@ def sweep_id(
     """What tells whether the results of one study are among those of another, as JSON; not for refined maps.
 
     `base` is the hash of all but the axes and what none of their points leaves; an axis has the hash of what each of
-    its points puts into a case, or None where the coordinate says it.  A file counts where its name stands, one that
-    is named nowhere in the base, and a table in its rows.
+    its points puts into a case, with its label where labels fill in names of files, or None where the coordinate says
+    it.  A file counts where its name stands, one that is named nowhere in the base, and a table in its rows.
     """
 
     encoder = json.JSONEncoder(sort_keys=True)
@@ -66,6 +67,8 @@ def sweep_id(
 
     said = {key: value for key, value in save.items() if key != "dt_out" or save["histories"] is not False}
     base: dict[str, Any] = {"case": case, "let": let}
+    put = [value for variation in variations for point in variation.settings for _, value, _ in point]
+    filled = names_in([case, put])
     axes = []
     for variation in variations:
         axis, points = variation.axis, None
@@ -76,10 +79,10 @@ def sweep_id(
                 if variation.settings
                 else (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
             )
-            points = [content(point) for point in told]
+            names = axis.values if axis.name in filled else [""] * axis.size
+            points = [content([name, point]) for name, point in zip(names, told, strict=True)]
         axes.append([axis.name, axis.path, points, variation.find])
         base = _only(base, remaining(base, variation.points()))
-    put = [value for variation in variations for point in variation.settings for _, value, _ in point]
     placed = {*_texts([base, put]), *(variation.table for variation in variations)}
     rest = sorted((name, sha256) for name, sha256 in inputs.items() if name not in placed)
     # the coordinate does not tell the samples: they are those of the same design only

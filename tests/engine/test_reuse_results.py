@@ -103,6 +103,23 @@ def test_what_is_not_the_same_is_refused(more: dict[str, Any], tmp_path: Path, c
         run_study(study(**more), tmp_path, plots=False)
 
 
+def test_labels_that_fill_in_names_of_files_count(tmp_path: Path, counted: list[int]) -> None:
+    """Two bodies that change records: each had the numbers of the other's record."""
+    for name, period in (("one", 1.0), ("two", 1.7)):
+        wave = 4.0 * np.sin(2.0 * np.pi / period * np.linspace(0.0, 5.0, 501))
+        (tmp_path / f"{name}.txt").write_text("\n".join(f"{a:.9f}" for a in wave))
+    record = {"file": f"{tmp_path}/{{case}}.txt", "units": "m/s2", "dt": 0.01}
+    case = {"block": {"R": 2.0, "tan_alpha": 0.2}, "motion": {"record": record}}
+    one, other = (
+        study(case=case, vary={"case": {"one": {"block.R": R}, "two": {"block.R": 5.0 - R}}}) for R in (2.0, 3.0)
+    )
+    run_study(one, tmp_path, plots=False)
+    counted.clear()
+    with pytest.raises(StudyError, match="holds results of this study before it was changed"):
+        run_study(other, tmp_path, plots=False)
+    assert not counted
+
+
 def test_another_version_is_refused(tmp_path: Path, counted: list[int], monkeypatch: pytest.MonkeyPatch) -> None:
     run_study(study(), tmp_path, plots=False)
     monkeypatch.setattr("rockcli.version.__version__", "99.0")
