@@ -306,6 +306,16 @@ def test_a_survival_just_below_one_is_not_told_as_one():
     assert told == pytest.approx(1.0 - falls, abs=0.5 * falls)
 
 
+def test_a_probability_far_below_rounding_of_one_is_told():
+    """-expm1(-rate age) has its digits where the survival is 1.0 to the last bit."""
+    rare = [{"label": "rare", "intensity": ["0.02*g", "2*g"], "rate": [1e-15, 1e-19]}]
+    data = rockcli.run(study(hazard=rare, age=1))
+    (said,) = [one for one in json.loads(data.attrs["ensemble"])["says"] if "survives with" in one]
+    rate = float(data["annual_rate"].sel(limit_state="overturned").squeeze())
+    assert 0.0 < rate < 1e-16
+    assert float(re.search(r"overturns with probability (\S+),", said)[1]) == pytest.approx(rate, rel=5e-3)
+
+
 def test_survival_has_limits_and_says_where_they_leave_a_contradiction_open(data):
     """exp(-rate age) at the limits of the rate; 5 % lies beside, below or above them as the age grows."""
     low, rate, high = (

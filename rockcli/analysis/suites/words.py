@@ -532,7 +532,9 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 said += f" ({limits}68 % of it from {' to '.join(ends)}{unit_words(unit)})"
             yield said
             if over.age is not None and np.isfinite(rate[last]):
-                survives, ratio = (float(contents.values(name)[last]) for name in ("survival", "likelihood_ratio"))
+                falls, survives, ratio = (
+                    float(contents.values(name)[last]) for name in ("probability_in_age", "survival", "likelihood_ratio")
+                )
                 known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
                 rates = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("high", "low"))
                 least, most = (float(np.exp(-end * over.age)) for end in rates)
@@ -543,7 +545,7 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                     known += f", though not with what motions beyond its end can add, {beyond_it:.2g} a year"
                 limits = "" if np.isnan(least) else f" (95 % {_near_one(least)} to {_near_one(most)})"
                 yield (
-                    f"{where}{over.age:g} years under {label}: overturns with probability {1.0 - survives:.3g}, "
+                    f"{where}{over.age:g} years under {label}: overturns with probability {falls:.3g}, "
                     f"survives with {_near_one(survives)}{limits}; a body that stood so long {known} "
                     f"(likelihood ratio {ratio:.3g})"
                 )
