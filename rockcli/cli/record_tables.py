@@ -90,9 +90,11 @@ def pair_facts(one: Motion, two: Motion, g: float, periods: Sequence[float]) -> 
             raise RecordError(f"is a vertical component, {motion.component}: --rotd takes horizontal ones", motion.name)
     if why := not_a_pair(one, two):
         raise RecordError(why, one.name)
-    if abs(one.dt - two.dt) > 1e-9 * one.dt or len(one.values) != len(two.values):
+    alike, least = abs(one.dt - two.dt) <= 1e-9 * one.dt, min(len(one.values), len(two.values))
+    if not alike or len(one.values) != len(two.values):
         said = f"{len(one.values)} values of {one.dt:g} s, {two.name} has {len(two.values)} of {two.dt:g} s"
-        raise RecordError(f"has {said}: two components in one direction need the same times", one.name)
+        cut = f": cut both files to their first {least} values" if alike else ""
+        raise RecordError(f"has {said}: two components in one direction need the same times{cut}", one.name)
     refuse_other_start(one, two)
     a, b = one.acceleration(g), two.acceleration(g)
     found = rotated_measures(a, b, one.dt)

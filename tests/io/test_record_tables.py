@@ -120,7 +120,7 @@ def test_pairs_in_every_direction(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match="needs pairs of components, not 1 file"):
         run("info", paths[0], "--rotd", "--dt", dt)
     paths[1].write_text("# units: m/s2\n1\n2\n3\n")
-    with pytest.raises(RecordError, match="need the same times"):
+    with pytest.raises(RecordError, match="need the same times: cut both files to their first 3 values"):
         run("info", *paths, "--rotd", "--dt", dt)
 
 
