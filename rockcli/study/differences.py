@@ -27,7 +27,8 @@ def differences(old: str, new: Mapping[str, Any], inputs: Mapping[str, str], now
         return ""
     if not isinstance(before, dict):
         return ""
-    first, second = (dict(_leaves({key: study.get(key) for key in _NUMBERS}, ())) for study in (before, new))
+    both = ({"seed": 0, **study} for study in (before, new))  # builds up to 0.2.0 left out a seed of 0
+    first, second = (dict(_leaves({key: study.get(key) for key in _NUMBERS}, ())) for study in both)
     found = [
         f"{name} ({_words(first.get(name))} -> {_words(second.get(name))})"
         for name in dict.fromkeys([*first, *second])

@@ -412,4 +412,5 @@ def _resolved(
         for key in ("samples", "seed", "sampling"):
             del dumped[key]
     dumped["save"] = {key: value for key, value in saved.items() if value != []}
-    return {key: value for key, value in dumped.items() if key == "case" or value not in ("", [], {}, None, False)}
+    said = {key: value for key, value in dumped.items() if value is not False}  # not those equal to it, as a seed of 0
+    return {key: value for key, value in said.items() if key == "case" or value not in ("", [], {}, None)}

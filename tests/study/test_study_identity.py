@@ -5,6 +5,7 @@ import copy
 import pytest
 import yaml
 
+from rockcli.study.differences import differences
 from rockcli.study.document.loader import load_value
 from rockcli.study.open import open_study
 
@@ -141,6 +142,17 @@ def test_the_resolved_study_runs_again(tmp_path):
     assert again.expect == tuple(type(e)(**{**vars(e), "line": again.expect[0].line}) for e in study.expect)
     assert again.axes == study.axes
     assert load_value(study.resolved_yaml, "x") == study.resolved
+
+
+def test_the_resolved_study_says_the_seed_that_is_the_default():
+    """A seed of 0 is equal to a key that is off, and was left out; datasets from before do not differ in it."""
+    uncertain = {"block.tan_alpha": {"normal": [0.2, 0.01]}}
+    study = open_study({"name": "x", "case": BASE["case"], "let": BASE["let"], "uncertain": uncertain})
+    assert (study.resolved["seed"], study.resolved["samples"]) == (0, 200)
+    before = study.resolved_yaml.replace("seed: 0\n", "")
+    assert before != study.resolved_yaml
+    assert differences(before, study.resolved, {}, {}) == ""
+    assert differences(before, study.resolved | {"seed": 1}, {}, {}) == "seed (0 -> 1)"
 
 
 @pytest.mark.parametrize(
