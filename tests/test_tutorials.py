@@ -114,7 +114,7 @@ def test_a_list_of_equipment_becomes_a_table_of_bodies_on_their_floors(tmp_path,
     cells = [f"{name},1.0,0.6,2.2,{radius},{floor.replace('2', str(n))}" for name, n in (("low", 1), ("high", 2))]
     (tmp_path / "list.csv").write_text("\n".join([heads, *cells, ""]))
     (tmp_path / "study.yaml").write_text(
-        f"name: equipment\ncase:\n  block: {{h: 1, width: 1}}\n  motion: {{record: {{file: '{floor}'}}}}\n"
+        f"name: equipment\ncase:\n  block: {{h: 1, width: 1}}\n  motion: {{record: {{file: synthetic_rock_m65.AT2}}}}\n"
         f"vary:\n  case: list.csv\n  {axis}\n"
     )
     data = rockcli.run("study.yaml")

@@ -56,6 +56,21 @@ def test_a_labelled_axis_fills_in_too_and_the_resolved_study_says_the_same(here)
     assert open_study(opened.resolved).identity == opened.identity
 
 
+@pytest.mark.parametrize("base", ["ground_01.AT2", "ground_{record}.AT2"])
+def test_the_cells_of_a_table_alone_may_have_names_that_an_axis_fills_in(here, base):
+    """Each body on its own floor, and a base case with any record."""
+    cells = [f"{body},{h},{place}_{{record}}.AT2" for body, h, place in (("low", 0.9, "ground"), ("high", 1.1, "roof"))]
+    (here / "bodies.csv").write_text("\n".join(["name,block.h,motion.record.file", *cells, ""]))
+    for vary in ({"case": "bodies.csv", "record": "ground_*.AT2"}, {"record": ["01", "02"], "case": "bodies.csv"}):
+        found = rockcli.run(study(base, vary)).transpose("case", "record")
+        for i, (name, h) in enumerate(zip(FILES, (0.9, 1.1), strict=True)):
+            alone = study(f"{name}_01.AT2", {})
+            alone["case"]["block"]["h"] = h
+            assert (found.theta_peak_over_alpha[i] == float(rockcli.run(alone).theta_peak_over_alpha)).all()
+    with pytest.raises(StudyError, match=r"'records' is not a path .*; did you mean 'record'\?$"):
+        open_study(study(base, {"case": "bodies.csv", "records": ["01", "02"]}))
+
+
 def test_a_glob_in_a_named_setting_is_a_point_for_every_file(here):
     found = rockcli.run(study("ground_01.AT2", {"motion.record.file": {"up": "roof_*.AT2", "down": "ground_01.AT2"}}))
     assert found.record.values.tolist() == ["up roof_01.AT2", "up roof_02.AT2", "down"]

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 from unicodedata import category
 
 import numpy as np
@@ -29,7 +29,7 @@ from rockcli.study.document.dimensions import check_unit
 from rockcli.study.document.expressions import CONSTANTS, Expression, ExpressionError, constant, parse
 from rockcli.study.document.overlay import Setting, leaves, same_twice
 from rockcli.study.document.paths import UNITS, Path, dimension_names, is_path, resolve, takes_number, varies_in_batch
-from rockcli.study.document.tree import List, Map, Places, Source, Where, nearest, place, put_at, value_at
+from rockcli.study.document.tree import List, Map, Places, Source, Where, meant, nearest, place, put_at, value_at
 from rockcli.study.document.values import WEAKEST, describe, is_finite, number_or_expression
 from rockcli.study.schema import CasePart, StudyPart
 from rockcli.study.study import MATCH, Axis, Given
@@ -239,6 +239,11 @@ def _why_it_cannot_wait(let: Map | None, text: str) -> str:
     return why
 
 
+def _is_table(entry: Any) -> TypeGuard[str]:
+    """Whether an entry of `vary` names a table."""
+    return isinstance(entry, str) and entry.lower().endswith(".csv") and not set(entry) & WILDCARDS
+
+
 def _check_apart(source: Source, study: Map, variations: list[Variation], names: list[str]) -> None:
     """Refuse axes of one name, and axes that set the same thing."""
     for name, variation in zip(names, variations, strict=True):
@@ -259,8 +264,7 @@ class _Reader:
         try:
             if text.startswith("case."):
                 raise StudyError(f"paths of axes begin inside the case: {text.removeprefix('case.')!r}")
-            named = not is_path(text) and text in names_in([study["case"], study["vary"]])
-            self.path = (LABELS, text) if named else resolve(text)
+            self.path = (LABELS, text) if not is_path(text) and text in self.in_braces() else resolve(text)
         except StudyError as error:
             if value_at(study, ("let", text)) is not None:
                 message = f"vary: {text!r} is a symbol of `let`; did you mean 'let.{text}'?"
@@ -268,12 +272,25 @@ class _Reader:
             if study["vary"][text] is None and "did you mean" not in error.message:
                 message = f"vary: {text!r} has no values: several of one axis stand in brackets, PATH: [1, 2]"
                 raise source.placed(place(study, ("vary", text)), message) from None
+            if (name := meant(text, self.in_braces() - study["vary"].keys())) is not None:
+                known = "is not a path inside the case, and no file name has it in braces"
+                message = f"vary: {text!r} {known}; did you mean {name!r}?"
+                raise source.placed(place(study, ("vary", text)), message) from None
             several = (
                 ""
                 if "." in text or "did you mean" in error.message
                 else "; settings that change several keys at once go under the axis `case`"
             )
             raise source.placed(place(study, ("vary", text)), f"vary: {error.message}{several}") from None
+
+    def in_braces(self) -> set[str]:
+        """Names in braces in the names of files, those in the cells of tables too."""
+        cells = []
+        for text, entry in self.study["vary"].items():
+            if _is_table(entry):
+                with suppress(StudyError):  # its own axis tells what is wrong with it
+                    cells.append(read_table(entry, self.source, place(self.study, ("vary", text))).rows)
+        return names_in([self.study["case"], self.study["vary"], cells])
 
     @property
     def of_symbols(self) -> bool:
@@ -302,7 +319,7 @@ class _Reader:
             return self.listed(entry)
         if isinstance(entry, Map):
             return self.range(entry) if entry.keys() & set(RANGE) else self.named(entry)
-        if isinstance(entry, str) and entry.lower().endswith(".csv") and not set(entry) & WILDCARDS:
+        if _is_table(entry):
             return self.table(entry)
         if isinstance(entry, str) and self.is_file:
             return self.matched(entry)
