@@ -153,13 +153,14 @@ def _periods(said: list[float]) -> list[float]:
 
 
 def _check_spectrum(path: Path | None) -> None:
+    from rockcli.engine.draw import FORMATS, format_of
     from rockcli.errors import RecordError
     from rockcli.storage.places import check_file
 
     if path is None:
         return
-    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise RecordError(f"--spectrum ends in {path.suffix!r}; expected .png, .pdf or .svg", path)
+    if format_of(path) not in FORMATS:
+        raise RecordError(f"--spectrum ends in {path.suffix!r}; expected .{', .'.join(FORMATS)}", path)
     check_file(path)
 
 

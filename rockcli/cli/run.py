@@ -48,12 +48,13 @@ def run(
     from rockcli.cli.junit import check_junit, write_junit
     from rockcli.cli.sources import open_all
     from rockcli.cli.words import totals_text
+    from rockcli.engine.draw import check_format
     from rockcli.engine.run import check_study, dataset_path
     from rockcli.engine.summary import SKIPPED, RunReport, exit_code
     from rockcli.engine.sweep.executors import usable_cores
     from rockcli.engine.sweep.work import Team
 
-    _check_format(plot_format)
+    check_format(plot_format)
     share = _share(part, fresh=fresh)
     if dask is not None:
         from rockcli.engine.sweep.cluster import check_cluster
@@ -89,13 +90,6 @@ def run(
 
         say(json.dumps({"exit_code": code, "units": "SI", "studies": [r.as_dict() for r in reports]}, indent=2))
     raise typer.Exit(code)
-
-
-def _check_format(plot_format: str) -> None:
-    from rockcli.errors import StudyError
-
-    if plot_format not in ("png", "pdf", "svg"):
-        raise StudyError(f"--format {plot_format}: expected png, pdf or svg")
 
 
 def _share(part: str | None, *, fresh: bool) -> tuple[int, int] | None:

@@ -48,14 +48,13 @@ def trade(
     from rockcli.cli.interrupt import advise
     from rockcli.cli.progress import Progress
     from rockcli.cli.sources import open_all
-    from rockcli.engine.draw import FORMATS
+    from rockcli.engine.draw import check_format
     from rockcli.engine.trade.trade import trade as measure
     from rockcli.engine.trade.trade_results import as_dict, trade_path, write_trade
     from rockcli.errors import StudyError
     from rockcli.storage.places import check_file
 
-    if plot_format not in FORMATS:
-        raise StudyError(f"--format {plot_format}: expected {', '.join(FORMATS)}")
+    check_format(plot_format)
     seconds = _seconds(budget)
     if os.path.isdir(study):
         raise StudyError("is a folder; give one study", file=study)

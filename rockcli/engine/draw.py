@@ -77,6 +77,12 @@ def changes(
     return {key: value for key, value in said.items() if value} | ({} if title == "" else {"title": title})
 
 
+def check_format(plot_format: str) -> None:
+    """`StudyError` for what no figure is written in."""
+    if plot_format not in FORMATS:
+        raise StudyError(f"--format {plot_format}: expected {', '.join(FORMATS)}")
+
+
 def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tuple[tuple[Drawn, ...], tuple[str, ...]]:
     """Draw plots beside a dataset file.
 
@@ -91,8 +97,7 @@ def draw(path: Path, asked: Asked | None = None, plot_format: str = "png") -> tu
     Raises:
         StudyError: the file cannot be read, the format is unknown, or no plot can be written there.
     """
-    if plot_format not in FORMATS:
-        raise StudyError(f"unknown format {plot_format!r}; there are {', '.join(FORMATS)}")
+    check_format(plot_format)
     if asked is not None and not asked:
         return (), ()
     from rockcli.plotting.import_matplotlib import import_lean

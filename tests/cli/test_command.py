@@ -92,8 +92,15 @@ def test_exit_codes(rock: Rock, tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "nonsense" in capsys.readouterr().err
     assert rock("run", tmp_path / "absent.yaml") == 2
     assert rock("run", "--no-such-option") == 2
-    assert rock("run", study(tmp_path, "good", MET), "--format", "bmp") == 2
     assert rock("show", "nothing") == 2
+
+
+def test_the_format_of_figures_is_checked_before_anything_is_solved(rock: Rock, tmp_path: Path, capsys):
+    file = study(tmp_path)
+    for command in ("run", "trade"):
+        assert rock(command, file, "--out", tmp_path / command, "--format", "bmp") == 2
+        assert "--format bmp: expected png, pdf, svg" in capsys.readouterr().err
+        assert not (tmp_path / command).exists()
 
 
 def test_all_studies_are_checked_before_any_is_solved(rock: Rock, tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ PAGES = (".html", ".htm")
 def check_target(path: Path) -> None:
     """`StudyError` for a name that ends otherwise, or a place that cannot be written."""
     if path.suffix.lower() not in PAGES and format_of(path) not in FORMATS:
-        raise StudyError(f"ends in {path.suffix!r}; expected .html, .png, .pdf or .svg", file=path)
+        raise StudyError(f"ends in {path.suffix!r}; expected .html, .{', .'.join(FORMATS)}", file=path)
     check_file(path)
 
 
