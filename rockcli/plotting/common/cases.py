@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -98,6 +99,11 @@ def has_overturned(dataset: xarray.Dataset, position: tuple[int, ...]) -> bool:
     return bool(overturned(number_at(dataset, "outcome", position)))
 
 
+def positions_on(dataset: xarray.Dataset, names: Collection[str]) -> list[tuple[int, ...]]:
+    """Every position on the axes of some names, in C order; on the others it is 0."""
+    return list(np.ndindex(*(int(dataset.sizes[axis]) if axis in names else 1 for axis in axes_of(dataset))))
+
+
 def pick(
     dataset: xarray.Dataset, most: int, axes: tuple[str, ...] | None = None, first: Array | None = None
 ) -> tuple[list[Shown], int]:
@@ -113,25 +119,24 @@ def pick(
     every = axes_of(dataset)
     names = every if axes is None else axes
     reference = reference_on_axes(dataset) if axes is None else {}
-    sizes = [int(dataset.sizes[a]) if a in names else 1 for a in every]
-    positions = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
+    positions = positions_on(dataset, names)
     if axes is None:
         positions = [p for p in positions if followed(dataset, p)] or positions
     if reference:
         positions = [p for p in positions if _referred(every, p, reference) != p] or positions
     groups = [[p] for p in positions] if axes is not None else _alike(dataset, positions, reference)
     shown = []
-    long = [n for n in sizes if n > 1]
+    long = [axis for axis in every if axis in names and dataset.sizes[axis] > 1]
     some = (
         _spread_over_peaks(dataset, groups, most)
         if axes is None
-        else _by_rows(groups, long[-1] if long else 1, most, first)
+        else _by_rows(groups, int(dataset.sizes[long[-1]]) if long else 1, most, first)
     )
     for group in some:
         other = _referred(every, group[0], reference) if reference else None
         if other is not None and not followed(dataset, other):
             other = None
-        words = group_label(dataset, group, [a for a, n in zip(every, sizes, strict=True) if n > 1])
+        words = group_label(dataset, group, long)
         place = {axis: i for axis, i in zip(every, group[0], strict=True) if axis in names}
         shown.append(Shown(group[0], place, words, None if other == group[0] else other))
     return shown, len(groups)

@@ -20,6 +20,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.transforms import blended_transform_factory
+from numpy.typing import NDArray
 
 from rockcli.scene.looks import WIDTHS, Look
 
@@ -297,6 +298,23 @@ def _seen(words: str) -> str:
 def panel_label(axes: Axes, words: str, width: float) -> None:
     """Label below a panel, wrapped to its width [in]."""
     axes.set_xlabel(_in_lines(words, max(int(width * 12.5), _FEWEST)))
+
+
+def name_panels(grid: NDArray[Any], titles: Sequence[str], x: str, y: str) -> None:
+    """Titles of the first panels of a grid that share their axes, and labels of the outer ones; the rest is empty."""
+    columns = grid.shape[1]
+    width = grid.flat[0].figure.get_figwidth() / columns
+    for number, axes in enumerate(grid.flat):
+        if number >= len(titles):
+            axes.set_axis_off()
+            continue
+        if titles[number]:
+            panel_title(axes, titles[number], width)
+        if number + columns >= len(titles):
+            panel_label(axes, x, width)
+            axes.tick_params(labelbottom=True)
+        if number % columns == 0:
+            axes.set_ylabel(y)
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], most: int = 4, **style: Any) -> Legend | None:

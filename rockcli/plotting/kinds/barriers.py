@@ -8,7 +8,16 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
 
-from rockcli.plotting.common.cases import Array, axes_of, group_label, number_at, selection_note, spread, values_at
+from rockcli.plotting.common.cases import (
+    Array,
+    axes_of,
+    group_label,
+    number_at,
+    positions_on,
+    selection_note,
+    spread,
+    values_at,
+)
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.shape import body_of, outline, path_of, with_room_beside
 from rockcli.plotting.common.style import (
@@ -90,9 +99,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
 def _positions(dataset: xarray.Dataset, names: tuple[str, ...]) -> list[Position]:
     """Where on the axes each value of some variables is first met, those that are not known left out."""
     dims = {str(dim) for name in names if name in dataset.variables for dim in dataset[name].dims}
-    sizes = [int(dataset.sizes[axis]) if axis in dims else 1 for axis in axes_of(dataset)]
-    every = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)]
-    return [each for each in every if np.isfinite(values_at(dataset, names[0], each)).all()]
+    return [each for each in positions_on(dataset, dims) if np.isfinite(values_at(dataset, names[0], each)).all()]
 
 
 def _draw_body(axes: Axes, dataset: xarray.Dataset, position: Position) -> None:

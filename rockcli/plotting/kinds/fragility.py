@@ -27,9 +27,8 @@ from rockcli.plotting.common.style import (
     grid_of,
     headline,
     legend_below,
+    name_panels,
     new_figure,
-    panel_label,
-    panel_title,
     width_or,
 )
 from rockcli.plotting.common.suite import Suite, left_out_words, members_word, panels, suite_of
@@ -82,18 +81,9 @@ def draw(dataset: xarray.Dataset) -> Figure:
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     single = len(shown) == 1
     x = _intensity(dataset, suite)
-    for number, case in enumerate(shown):
-        axes = grid.flat[number]
+    for axes, case in zip(grid.flat, shown, strict=False):
         banded = _panel(axes, dataset.isel(case.place), suite, float(x.max(initial=0.0)), numbers=single)
-        if case.label:
-            panel_title(axes, case.label, width / columns)
-        if number + columns >= len(shown):
-            panel_label(axes, intensity_label(dataset, suite), width / columns)
-            axes.tick_params(labelbottom=True)
-        if number % columns == 0:
-            axes.set_ylabel("probability of exceedance")
-    for axes in list(grid.flat)[len(shown) :]:
-        axes.set_axis_off()
+    name_panels(grid, [case.label for case in shown], intensity_label(dataset, suite), "probability of exceedance")
     first = grid.flat[0]
     first.set_ylim(-0.02, 1.02)
     log = is_log(np.sort(x))

@@ -36,8 +36,8 @@ from rockcli.plotting.common.style import (
     grid_of,
     headline,
     legend_below,
+    name_panels,
     new_figure,
-    panel_title,
     width_or,
 )
 from rockcli.plotting.common.suite import Suite, left_out_words, members_word, panels, suite_of, without_intensity
@@ -95,8 +95,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
     right = _right(dataset, peak)
     few = int(dataset.sizes[suite.axis]) < _FEW
     lifts, top = False, _top(dataset, suite, intensity, peak)
-    for number, case in enumerate(shown):
-        axes = grid.flat[number]
+    for axes, case in zip(grid.flat, shown, strict=False):
         part = dataset.isel(case.place)
         members = part[peak].transpose(suite.axis, suite.along).values[:, order]
         faint = float(np.clip(_DARK / len(members), _FAINTEST, 1.0))
@@ -112,15 +111,7 @@ def draw(dataset: xarray.Dataset) -> Figure:
             lifts |= _uplift(axes, part, suite.along, top)
             if right > 1.05:
                 axes.axvline(1.0, color=QUIET, linewidth=0.6, dashes=(1, 2), zorder=0)
-        if case.label:
-            panel_title(axes, case.label, width / columns)
-        if number + columns >= len(shown):
-            axes.set_xlabel(variable_label(peak))
-            axes.tick_params(labelbottom=True)
-        if number % columns == 0:
-            axes.set_ylabel(axis_label(dataset, suite.along))
-    for axes in list(grid.flat)[len(shown) :]:
-        axes.set_axis_off()
+    name_panels(grid, [case.label for case in shown], variable_label(peak), axis_label(dataset, suite.along))
     grid.flat[0].set_xlim(0.0, right)
     scale_axes(grid.flat[0], False, is_log(intensity[order]))
     low = _bottom(dataset, suite, intensity, peak) if is_log(intensity[order]) else min(0.0, float(intensity.min()))

@@ -25,8 +25,8 @@ from rockcli.plotting.common.style import (
     grid_of,
     headline,
     legend_below,
+    name_panels,
     new_figure,
-    panel_title,
     width_or,
 )
 from rockcli.plotting.common.suite import left_out_words, members_word, panels, suite_of
@@ -62,18 +62,10 @@ def draw(dataset: xarray.Dataset) -> Figure:
     width = width_or(SINGLE * 1.3 if columns == 1 else DOUBLE)
     figure = new_figure(width, 1.25 + rows * 0.85 * (width / columns))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for number, case in enumerate(shown):
-        axes = grid.flat[number]
+    for axes, case in zip(grid.flat, shown, strict=False):
         _panel(axes, dataset.isel(case.place), suite.told_against)
-        if case.label:
-            panel_title(axes, case.label, width / columns)
-        if number + columns >= len(shown):
-            axes.set_xlabel(second_symbol(dataset) + unit_in_brackets(shown_unit(dataset, SECOND)[1]))
-            axes.tick_params(labelbottom=True)
-        if number % columns == 0:
-            axes.set_ylabel(intensity_label(dataset, suite))
-    for axes in list(grid.flat)[len(shown) :]:
-        axes.set_axis_off()
+    across = second_symbol(dataset) + unit_in_brackets(shown_unit(dataset, SECOND)[1])
+    name_panels(grid, [case.label for case in shown], across, intensity_label(dataset, suite))
     first = grid.flat[0]
     x, y = (values[values > 0.0] for values in _both(dataset, suite.told_against))
     first.set_xlim(0.9 * x.min(), 1.1 * x.max())

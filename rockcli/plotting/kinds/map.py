@@ -42,8 +42,8 @@ from rockcli.plotting.common.style import (
     grid_of,
     headline,
     legend_below,
+    name_panels,
     new_figure,
-    panel_title,
     width_or,
 )
 from rockcli.scene.ground.amplitudes import AMPLITUDES, PULSE_FREQUENCIES
@@ -115,20 +115,11 @@ def draw(dataset: xarray.Dataset) -> Figure:
     present: set[int] = set()
     bounded: set[str] = set()
     lifts = False
-    for number, case in enumerate(shown):
-        axes = grid.flat[number]
+    for axes, case in zip(grid.flat, shown, strict=False):
         present |= _panel(axes, dataset.isel(case.place), found, norm, shaded=peaks is not None)
         bounded |= {*draw_boundaries(axes, dataset.isel(case.place), found)}
         lifts |= _uplift(axes, dataset.isel(case.place), found)
-        if case.label:
-            panel_title(axes, case.label, width / columns)
-        if number + columns >= len(shown):
-            axes.set_xlabel(axis_label(dataset, found[0]))
-            axes.tick_params(labelbottom=True)
-        if number % columns == 0:
-            axes.set_ylabel(axis_label(dataset, found[1]))
-    for axes in list(grid.flat)[len(shown) :]:
-        axes.set_axis_off()
+    name_panels(grid, [case.label for case in shown], *(axis_label(dataset, axis) for axis in found))
     used = list(grid.flat)[: len(shown)]
     if peaks is not None and ROCKING in present:
         beyond = "max" if peaks.max() > 1.0 else "neither"

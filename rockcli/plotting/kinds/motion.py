@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockcli.motion.spectrum import forcing, pseudo_acceleration
-from rockcli.plotting.common.cases import Array, axes_of, selection_note
+from rockcli.plotting.common.cases import Array, axes_of, positions_on, selection_note
 from rockcli.plotting.common.ground import Motion, motions
 from rockcli.plotting.common.labels import title_of
 from rockcli.plotting.common.style import (
@@ -46,8 +46,7 @@ def without_motion(dataset: xarray.Dataset) -> str:
 
 def draw(dataset: xarray.Dataset) -> Figure:
     """Left the acceleration of each motion, right the response spectra of all, or below where there is no room."""
-    sizes = [int(dataset.sizes[axis]) for axis in axes_of(dataset)]
-    every = [tuple(int(i) for i in position) for position in np.ndindex(*sizes)][:_EVERY]
+    every = positions_on(dataset, axes_of(dataset))[:_EVERY]
     found = [motion for motion in motions(dataset, every) if np.nanmax(np.abs(motion.horizontal), initial=0.0) > 0.0]
     shown = found[:_MOST]
     n = len(shown)
