@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rockcli.study.document.path_words import words_of
-from rockcli.study.document.paths import ARRAYS
+from rockcli.study.document.paths import ARRAYS, words_of
 from rockcli.study.document.paths import _all_paths as all_paths
 
 

@@ -27,7 +27,7 @@ from rockcli.storage.contents import (
     time_field,
     variable_field,
 )
-from rockcli.study.document.path_words import words_of
+from rockcli.study.document.paths import words_of
 from rockcli.study.study import SAMPLE, Study
 
 

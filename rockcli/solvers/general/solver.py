@@ -18,11 +18,11 @@ from rockcli.scene.response import Response
 from rockcli.solvers.common.certainty import CERTAINTY, Judgement, Perturbation, Traces, judge, perturbed
 from rockcli.solvers.common.duration import output_times
 from rockcli.solvers.common.found import Found, from_beyond, note_unstored, rigid_top
+from rockcli.solvers.event.unpack import Raw, histories_of
 from rockcli.solvers.general import stepwise
 from rockcli.solvers.general.body import body_of
 from rockcli.solvers.general.event_located import Located
 from rockcli.solvers.general.ground import ground_of
-from rockcli.solvers.general.histories import histories_of
 from rockcli.solvers.general.methods import (
     ATOL_OVER_RTOL,
     DEFAULT_METHOD,
@@ -82,7 +82,7 @@ def solve(batch: Batch) -> Response:
     scalars |= {name: np.array(columns[name], dtype=np.int64) for name in ("n_steps", "n_rhs")}
     if batch.save.scalars & CERTAINTY:
         _judged(batch, settings, scalars).enter(scalars, reasons)
-    histories, impacts, t = histories_of(batch, trajectories) if batch.save.histories else ({}, {}, np.empty(0))
+    histories, impacts, t = _histories(batch, trajectories) if batch.save.histories else ({}, {}, np.empty(0))
     used = {
         "backend": "scipy",
         "method": f"{settings.method.name}: {settings.method.reference}",
@@ -103,6 +103,17 @@ def unfit(batch: Batch) -> str:
     if batch.numerics.events is False and (batch.damping.eta != 1.0).any():
         return "restitution needs located impacts: without events (solver.events: false) damping is none or dashpot"
     return ""
+
+
+def _histories(batch: Batch, trajectories: list[Trajectory]) -> tuple[dict[str, Array], dict[str, Array], Array]:
+    """Histories by name (n, k), impacts by name (n, j), and the output times (k,) [s]; NaN-padded."""
+    raw = Raw(batch.size, max(len(d.theta) for d in trajectories), max(len(d.impacts) for d in trajectories))
+    for i, trajectory in enumerate(trajectories):
+        raw.histories[i, 0, : trajectory.written] = trajectory.theta[: trajectory.written]
+        raw.histories[i, 1, : trajectory.written] = trajectory.rate[: trajectory.written]
+        for k, impact in enumerate(trajectory.impacts):
+            raw.impacts[i, :, k] = impact
+    return histories_of(batch, raw)
 
 
 def _settings(batch: Batch) -> Settings:

@@ -15,11 +15,10 @@ from rockcli.scene.body.column import ACROSS, Base, Column
 from rockcli.scene.constants import ELEMENTS
 from rockcli.scene.laws.contact import slides_first
 from rockcli.scene.laws.damping import Damping
-from rockcli.scene.laws.models import CONTINUUM, DEFORMABLE, FLEXIBLE
+from rockcli.scene.laws.models import CONTINUUM, DEFAULT_GEOMETRY, DEFORMABLE, FLEXIBLE, MODELS
 from rockcli.scene.numerics import Numerics
 from rockcli.study.building.damping import build_damping, fema356_warnings
 from rockcli.study.building.ground_motion import build_excitation
-from rockcli.study.building.model import model_and_geometry
 from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.records import Records
 from rockcli.study.document.tree import Keys
@@ -53,7 +52,7 @@ def build_pieces(numbers: Numbers, records: Records) -> tuple[Callable[[], objec
 
 def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
     warnings: list[str] = []
-    model, geometry = model_and_geometry(numbers.source, numbers.tree, numbers.case)
+    model, geometry = _model_and_geometry(numbers)
     numerics = _numerics(numbers)
     g = numbers.array(numbers.g)
     block = numbers.block
@@ -99,6 +98,26 @@ def _built(numbers: Numbers, records: Records, save: Save) -> Batch:
         tolerance=_tolerance(numbers, numerics, damping) if model == AUTO else None,
         slide_rate_0=slide_rate_0,
     )
+
+
+def _model_and_geometry(numbers: Numbers) -> tuple[str, str | None]:
+    """The model of a case and its geometry, both of which this version solves."""
+    case = numbers.case
+    model, geometry = case.model.name, case.geometry
+    if model == AUTO:
+        return model, None  # a geometry given beside it is that of the models it is compared with
+    if case.model.tolerance is not None:
+        numbers.fail(("case", "model", "tolerance"), "belongs to model auto")
+    if model in DEFORMABLE:
+        return model, None  # corotational, whatever the models it is compared with are
+    geometries = [pair[1] for pair in MODELS if pair[0] == model]
+    if geometries == [None]:
+        return model, None  # a geometry given beside it is that of the models it is compared with
+    chosen = DEFAULT_GEOMETRY if geometry is None else geometry
+    if chosen not in geometries:
+        known = ", ".join(map(str, geometries))
+        numbers.fail(("case", "geometry"), f"model {model} is available as {known}")
+    return model, chosen
 
 
 def _check_rolling(numbers: Numbers, model: str, damping: Damping) -> None:

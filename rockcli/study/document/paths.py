@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import cache
 
@@ -9,7 +10,7 @@ from rockcli.errors import StudyError
 from rockcli.scene.ground.amplitudes import FLOOR_SCALINGS, RECORD_SCALINGS
 from rockcli.scene.laws.damping import SCHEMES
 from rockcli.scene.variables import BOUNDARY_POINT, HAZARD_POINT, IMPACT, OUTLINE, ROTATION, TIME, VARIABLES
-from rockcli.study.document.check import fields_at, is_list_of_parts, is_number
+from rockcli.study.document.check import fields_at, is_list_of_parts, is_number, part_at
 from rockcli.study.document.tree import meant, nearest
 from rockcli.study.schema import PulsePart, RecordPart, StudyPart
 
@@ -20,6 +21,9 @@ RESERVED = frozenset({*VARIABLES, TIME, IMPACT, ROTATION, HAZARD_POINT, OUTLINE,
 
 _OF_INPUTS = ("given_", "note_", "sampled_")
 """Beginnings of names of the columns of tables and of uncertain inputs, which no axis may have either."""
+
+_REST = re.compile(r" [\[(].*|[;,].*|: default.*| wanted\b")
+"""Of the sentence of a key what is no part of its name: unit, default, what else it takes."""
 
 _BLOCK = (
     "R",
@@ -154,3 +158,20 @@ def dimension_names(paths: list[str]) -> list[str]:
     whole = [path.replace(".", "_") for path in plain]
     # an own symbol of `let` may be called what another axis's whole path makes
     return [name if name and name not in whole else path for name, path in zip(names, whole, strict=True)]
+
+
+def words_of(path: str) -> str:
+    """`tangent of the slenderness angle` for `block.tan_alpha`: the beginning of what the schema says of the key.
+
+    What the schema does not know (`case`, `sample`, a name of `let`) is itself, without underscores.
+    """
+    try:
+        keys = resolve(path)
+    except StudyError:
+        keys = ()
+    part = part_at(StudyPart, keys[:-1]) if len(keys) > 1 else None
+    field = part.model_fields.get(keys[-1]) if part is not None else None
+    if field is None or not field.description:
+        return path.rsplit(".", 1)[-1].replace("_", " ")
+    words = _REST.sub("", field.description)
+    return f"{words}, vertical motion" if "vertical" in keys[:-1] else words
