@@ -84,6 +84,19 @@ def test_the_interval_of_a_share_of_independent_runs():
         assert binom.ppf(q - error, 200, 0.25) <= round(200 * end) <= binom.ppf(q + error, 200, 0.25)
 
 
+def test_the_interval_of_auc_is_that_of_its_variance():
+    """Of independent runs, by the shares of the other outcome that each run has right (DeLong et al. 1988)."""
+    rng = np.random.default_rng(4)
+    outcome = rng.random(600) < 0.3
+    p = np.clip(0.4 + 0.15 * outcome + 0.15 * rng.standard_normal(600), 0.0, 1.0)
+    right = (p[outcome][:, None] > p[~outcome]) + 0.5 * (p[outcome][:, None] == p[~outcome])
+    error = math.sqrt(sum(right.mean(axis=k).var(ddof=1) / right.shape[1 - k] for k in (0, 1)))
+    found = scored(outcome, p, np.arange(600), 0).scores["auc"]
+    assert (found.low, found.high) == pytest.approx(
+        (found.value - 1.96 * error, found.value + 1.96 * error), abs=0.15 * error
+    )
+
+
 def test_what_has_no_value_is_nan():
     found = scored(np.zeros(4, dtype=bool), np.full(4, 0.1), np.arange(4), 0).scores
     assert found["accuracy"].value == 1.0
@@ -99,6 +112,7 @@ def test_mcnemar_is_the_sign_test_of_the_runs_that_differ():
     assert (found.first_only, found.second_only) == (only_first, only_second)
     assert found.p_value == pytest.approx(binomtest(only_first, only_first + only_second).pvalue, rel=1e-9)
     assert mcnemar(OUTCOME, first, first).p_value == 1.0
+    assert mcnemar(OUTCOME, np.where(first, 0.5, 0.499), second) == found  # a half says that it happens
 
 
 def test_reliability_has_the_limits_of_clopper_and_pearson():

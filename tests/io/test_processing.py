@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rockcli.errors import RecordError
 from rockcli.motion.motion import Motion
+from rockcli.motion.options import OptionError
 from rockcli.motion.processing import process
 from rockcli.motion.reading import read_record
 
@@ -190,6 +190,16 @@ def test_fourier_downsampling_keeps_what_is_at_the_new_nyquist_frequency(every: 
     np.testing.assert_allclose(done.values, motion.values[::every], atol=1e-12)
 
 
+@pytest.mark.parametrize(("old", "new"), [(60, 90), (60, 45), (45, 60), (45, 75), (60, 40), (75, 50), (75, 45)])
+def test_fourier_resampling_is_that_of_scipy(old: int, new: int) -> None:
+    """Of noise, which has something at every frequency, the highest of the coarser step among them."""
+    from scipy.signal import resample
+
+    motion = Motion(values=np.random.default_rng(old).standard_normal(old), dt=DT, in_g=True)
+    done = process(motion, resample={"dt": DT * old / new, "method": "fourier"})
+    np.testing.assert_allclose(done.values, resample(motion.values, new), atol=1e-12)
+
+
 @pytest.mark.parametrize("dt", [0.0022, 0.0033, 0.005, 0.0066, 0.0132, 0.0198])
 def test_resampling_never_leaves_the_record(dt: float) -> None:
     motion = Motion(values=np.sin(np.arange(2048) * 0.05), dt=0.0066, in_g=True)
@@ -240,15 +250,17 @@ def test_downsampling_warns_of_aliasing(sines: Motion) -> None:
     ],
 )
 def test_refusals_name_the_key(sines: Motion, options: dict[str, Any], words: str) -> None:
-    with pytest.raises(RecordError) as caught:
+    with pytest.raises(OptionError) as caught:
         process(sines, **options)
     assert words in str(caught.value)
+    assert caught.value.key.split(".")[0] in options  # by which the line of a study is found
 
 
 def test_steps_that_leave_no_numbers_are_refused() -> None:
     huge = Motion(values=np.full(50, 1e308), dt=DT, in_g=True)
-    with pytest.raises(RecordError, match="not finite"):
+    with pytest.raises(OptionError, match="not finite") as caught:
         process(huge, detrend="constant")
+    assert caught.value.key == "detrend"
 
 
 def test_el_centro(shared_records: Path) -> None:
