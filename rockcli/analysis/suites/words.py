@@ -532,9 +532,8 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 said += f" ({limits}68 % of it from {' to '.join(ends)}{unit_words(unit)})"
             yield said
             if over.age is not None and np.isfinite(rate[last]):
-                falls, survives, ratio = (
-                    float(contents.values(name)[last]) for name in ("probability_in_age", "survival", "likelihood_ratio")
-                )
+                names = ("probability_in_age", "survival", "likelihood_ratio")
+                falls, survives, ratio = (float(contents.values(name)[last]) for name in names)
                 known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
                 rates = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("high", "low"))
                 least, most = (float(np.exp(-end * over.age)) for end in rates)
