@@ -121,7 +121,6 @@ class Entry:
         self.__doc__, self.__wrapped__ = function.__doc__, function
         self._name, self._takes, self._gives = name_of(function), takes, gives
         self._call: Callable[..., int] | None = None
-        self._engine: Any = None
 
     def __call__(self, *arguments: Any) -> Any:
         """Call it; a TypeError if an array is not as it takes it."""
@@ -140,10 +139,12 @@ class Entry:
         folder = objects()
         if folder is None:
             raise RuntimeError(f"no object of the kernel {self._name}")
-        self._engine, address = engine_of(folder / f"{self._name}.o", symbol_of(self._name))
+        engine, address = engine_of(folder / f"{self._name}.o", symbol_of(self._name))
         types = [x for kind in self._takes for x in flat_types(kind)]
-        # a call of this kind lets other threads run meanwhile
-        return ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types)(address)
+        # a call of this kind lets other threads run meanwhile, of which each may load the object, and run its own
+        call = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types)(address)
+        call.engine = engine  # type: ignore[attr-defined] # which must not go while the call runs
+        return call
 
 
 def sealed(code: bytes, symbol: str) -> bytes:

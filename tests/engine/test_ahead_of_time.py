@@ -257,3 +257,31 @@ def test_what_is_there_is_not_compiled_again(tmp_path: Path, monkeypatch: pytest
         monkeypatch.setattr(sys, "argv", ["build", str(tmp_path), *words])
         build.main()
     assert asked == [["another"]]
+
+
+AT_ONCE = """
+import threading
+import numpy as np
+from rockcli import kernels
+from rockcli.kernels import ahead
+peak = kernels.load("reading.peaks", compile_them=True).peak_velocity
+both, engine_of = threading.Barrier(2), ahead.engine_of
+
+def loaded_by_both(*given):
+    found = engine_of(*given)
+    both.wait(60)
+    return found
+
+ahead.engine_of = loaded_by_both
+shaking = np.tile([1.0, -1.0], 10_000_000)
+threads = [threading.Thread(target=lambda: print(peak(shaking, 0.01))) for _ in range(2)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+"""
+
+
+@pytest.mark.skipif(not kernels.compiled_ahead(), reason="no kernels were compiled ahead of time")
+def test_threads_that_load_one_kernel_at_once_run_each_its_own() -> None:
+    """Velocity rises by half of 1 m/s² times 0.005 s; the code that one ran was gone once the other had its own."""
+    done = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.split()) == (0, ["0.0025", "0.0025"]), done.stderr
