@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,13 +33,26 @@ __all__ = [
     "table",
 ]
 
+_turn = threading.RLock()
+"""Kernels are loaded by one thread, and a process solves one study at a time: other threads wait."""
+
+
+def _begin_as_child() -> None:
+    """A forked process does not wait for a thread that it has not."""
+    global _turn
+    _turn = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_begin_as_child)
+
 
 def run(
     study: dict[str, Any] | str | Path,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xarray.Dataset:
-    """Solve a study and return its dataset; nothing is written.
+    """Solve a study and return its dataset; nothing is written.  Threads solve one after another.
 
     Args:
         study: path of a YAML file, or a mapping of the same form, whose `name` may be left out.  In a mapping a record
@@ -54,7 +69,8 @@ def run(
     """
     from rockcli.engine.run import solve_study
 
-    dataset = solve_study(study, workers, progress)
+    with _turn:
+        dataset = solve_study(study, workers, progress)
     _register()
     return dataset
 
@@ -72,7 +88,8 @@ def check(study: dict[str, Any] | str | Path) -> dict[str, Any]:
     from rockcli.engine.preview import preview
     from rockcli.engine.run import opened
 
-    return preview(opened(study)).as_dict()
+    with _turn:
+        return preview(opened(study)).as_dict()
 
 
 def open_dataset(path: str | Path) -> xarray.Dataset:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import threading
+import time
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +16,7 @@ from matplotlib import pyplot
 from matplotlib.text import Text
 
 import rockcli
+from rockcli.engine import run
 from rockcli.engine.run import run_study
 from rockcli.study.open import open_study
 
@@ -192,6 +198,49 @@ def test_workers_change_no_number_and_progress_reaches_the_end():
 @pytest.fixture(scope="module")
 def pulses():
     return rockcli.run(PULSES)
+
+
+def test_threads_solve_one_after_another(monkeypatch):
+    """Kernels change from plain Python to compiled under a thread that is at work, and its results were not a number."""
+    at_work, most = [], []
+
+    def solve(study, sweep):
+        at_work.append(study)
+        most.append(len(at_work))
+        time.sleep(0.05)
+        found = solved(study, sweep=sweep)
+        at_work.remove(study)
+        return found
+
+    solved = run.solve
+    monkeypatch.setattr(run, "solve", solve)
+    study = {"case": {"block": BLOCK, "initial": {"theta": 0.05}}, "save": {"histories": False}}
+    with ThreadPoolExecutor(4) as pool:
+        peaks = {float(found.theta_peak) for found in pool.map(rockcli.run, [study] * 8)}
+    assert (most, peaks) == ([1] * 8, {0.05})
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_process_forked_while_a_thread_solves_need_not_wait_for_it():
+    """The child has the lock as it was held, and no thread that would let it go."""
+    held, done = threading.Event(), threading.Event()
+
+    def hold():
+        with rockcli._turn:
+            held.set()
+            done.wait()
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    held.wait()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads
+        child = os.fork()
+    if not child:
+        os._exit(0 if rockcli._turn.acquire(blocking=False) else 1)
+    done.set()
+    thread.join()
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_a_dataset_shows_its_outcomes_and_peak(pulses):
