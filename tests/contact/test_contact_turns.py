@@ -141,6 +141,22 @@ def test_a_slip_on_the_way_down_of_a_body_that_would_have_come_back_once_more(mo
         np.testing.assert_allclose(found[name], other[name], rtol=1e-7, err_msg=name)
 
 
+def test_a_foot_that_gives_way_after_the_end_of_the_motion(monkeypatch):
+    """Large bodies that topple long after a record was cut off, and slip on their way to the ground alone."""
+    rng, n = np.random.default_rng(5), 400
+    motion = read_record("records/synthetic_pulse_m70.AT2")
+    values = motion.acceleration(G)[200:1095]
+    body = block(rng.uniform(3.0, 12.0, n), rng.uniform(0.15, 0.3, n), n)
+    body = dataclasses.replace(body, mu=rng.uniform(0.5, 1.2, n))
+    factor = rng.uniform(5.0, 9.0, n) / np.abs(values).max()
+    batch = asked(make_batch(body, record(values, motion.dt, factor=factor), accuracy="standard"), NAMES)
+    found, followed = solve(batch).scalars, alone(batch, monkeypatch)
+    fell_later = followed["t_overturn"] > (len(values) - 1) * motion.dt
+    assert fell_later.sum() > 10 and not followed["slide_peak"][fell_later].any()
+    for name in ("outcome", "n_slips", "slide_peak", "t_slip", "t_overturn"):
+        np.testing.assert_allclose(found[name], followed[name], rtol=1e-6, atol=1e-9, err_msg=name)
+
+
 def test_who_does_not_slip_has_the_bits_of_a_body_that_cannot():
     batch = scene("synthetic_soil_m70")
     batch = dataclasses.replace(batch, block=dataclasses.replace(batch.block, mu=1.15 * batch.block.mu))

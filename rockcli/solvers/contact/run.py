@@ -78,30 +78,36 @@ def from_the_beginning(n: int) -> Array:
     return np.full((n, carry.N_HANDOVER), -1.0)
 
 
-def march(batch: Batch, pars: Array, level: Accuracy, raw: Raw) -> None:
-    """The kernel for the rows of parameters of all cases of a batch, into `raw`."""
+def march(batch: Batch, pars: Array, level: Accuracy, raw: Raw, starts: Array | None = None) -> None:
+    """The kernel for the rows of parameters of all cases of a batch, into `raw`.
+
+    `starts`: rows of `kernels.handover` for bodies of which `raw` goes on from what it holds.
+    """
+    starts = from_the_beginning(len(pars)) if starts is None else starts
     suite = batch.excitation.suite
     if suite is None:
-        _march(batch, batch.excitation.horizontal, pars, level, raw)
+        _march(batch, batch.excitation.horizontal, pars, level, raw, starts)
         return
     for record, rows in suite.cases():
         part = raw.rows(rows)
-        _march(batch, record, pars[rows], level, part)
+        _march(batch, record, pars[rows], level, part, starts[rows])
         raw.put(rows, part)
 
 
-def _march(batch: Batch, horizontal_motion: Channel | None, pars: Array, level: Accuracy, raw: Raw) -> None:
+def _march(
+    batch: Batch, horizontal_motion: Channel | None, pars: Array, level: Accuracy, raw: Raw, starts: Array
+) -> None:
     """`march` under one motion."""
     kernel = kernels.load("contact.march", compile_them=bool(kernels.compiled))
     channels = (horizontal_motion, batch.excitation.vertical)
     (horizontal, h_data), (vertical, v_data) = (channel_of(kernel, c, batch.size) for c in channels)
     events = np.empty((len(pars), 2, 0))  # for tests
     arrays = [raw.histories, raw.impacts, events, raw.out]
-    inputs: list[Any] = [pars, h_data, v_data, from_the_beginning(len(pars))]
+    inputs: list[Any] = [pars, h_data, v_data, starts]
     outputs: list[Any] = list(arrays)
     if not kernels.compiled:  # lists are three times faster than arrays for plain Python
         inputs, outputs = [x.tolist() for x in inputs], [x.tolist() for x in arrays]
-    rows, h_data, v_data, starts = inputs
+    rows, h_data, v_data, begin = inputs
     how = kernel.Settings(
         tol=level.rtol,
         rest_speed=level.rest_speed,
@@ -113,7 +119,7 @@ def _march(batch: Batch, horizontal_motion: Channel | None, pars: Array, level: 
     )
     *written, out = outputs
     kernel.march_all(
-        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, starts, *written, kernel.work_space(), out
+        rows, how, horizontal, h_data, vertical, v_data, batch.save.dt_out, begin, *written, kernel.work_space(), out
     )
     if not kernels.compiled:
         for array, output in zip(arrays, outputs, strict=True):

@@ -18,12 +18,13 @@ from rockcli import kernels
 from rockcli.kernels import handover as carry
 from rockcli.kernels.constants import DONE, FALLS, GIVES_WAY, LEFT_TO_MARCH
 from rockcli.kernels.contact import results as to
+from rockcli.kernels.rigid import parameters as of_lanes
 from rockcli.kernels.rigid import results as in_lanes
 from rockcli.scene.batch import Batch
 from rockcli.scene.body.block import LEFT, impulse_ratio
 from rockcli.scene.numerics import Accuracy
 from rockcli.solvers.common.certainty import CERTAINTY
-from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, parameters_of, run
+from rockcli.solvers.contact.run import EXTREMES, Raw, from_the_beginning, march, parameters_of, run
 from rockcli.solvers.contact.screen import ROUNDING
 from rockcli.solvers.event import record_lanes
 from rockcli.solvers.event.pack import parameters_of as pack
@@ -145,10 +146,21 @@ def _nothing_found(n: int) -> Raw:
 def _follow(batch: Batch, rows: Array, pars: Array, level: Accuracy, raw: Raw, starts: Array) -> None:
     """Follow bodies from where they are to their end; `raw` goes on from what it holds of them.
 
-    A body of which lanes do not know the end begins anew, with the kernel of contact alone.
+    Those that are past the end of the motion, of which lanes have no samples there, go on with the kernel of contact.
+    A body of which lanes do not know the end begins anew, with that kernel alone.
     """
     lanes, how = _lanes_of(batch, level)
-    record_lanes.run(lanes, batch, rows, how, starts, path=True, feet=pars, felt=raw.out)
+    past = starts[:, carry.T] >= rows[:, of_lanes.T_MOTION]
+    during, after = np.flatnonzero(~past), np.flatnonzero(past)
+    felt = raw.out[during]
+    record_lanes.run(
+        lanes, batch, rows[during], how, starts[during], cases=during, path=True, feet=pars[during], felt=felt
+    )
+    raw.out[during] = felt
+    if len(after):
+        some = raw.rows(after)
+        march(batch.rows(after), pars[after], level, some, starts[after])
+        raw.put(after, some)
     left = np.flatnonzero(raw.out[:, to.STATUS] == LEFT_TO_MARCH)
     if len(left):
         raw.put(left, run(batch.rows(left), level))
