@@ -111,6 +111,27 @@ def test_one_case_that_cannot_be_built_loses_no_other(monkeypatch: pytest.Monkey
     np.testing.assert_array_equal(np.isnan(found.values("west_ratio")), failed)
 
 
+def test_many_cases_in_a_row_that_cannot_be_built_lose_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one row of four, no end of any column, the friction is below zero from a value of another axis on."""
+    monkeypatch.undo()
+    monkeypatch.setattr("rockcli.study.cases.cases.PROBED", 50)
+    rows = {"a": (1.0, 3.0), "b": (2.0, 1.5), "c": (1.0, 1.0), "d": (3.0, 3.0)}
+    given = {
+        "name": "row",
+        "let": {"k": 1, "j": 1, "q": 1},
+        "case": {"block": {"R": 2.0, "tan_alpha": 0.2, "mu": "0.3 - (k - j)*q"}, "initial": {"theta": 0.01}},
+        "vary": {
+            "case": {name: {"let.k": k, "let.j": j} for name, (k, j) in rows.items()},
+            "let.q": {"from": 0.1, "to": 0.9, "n": 2000},
+        },
+        "save": {"histories": False, "scalars": ["outcome"]},
+    }
+    opened = open_study(given)
+    failed = solve(opened).values("outcome") == FAILED
+    assert not failed[[0, 2, 3]].any()
+    np.testing.assert_array_equal(failed[1], np.array(opened.axes[1].values) > 0.6)
+
+
 def test_one_case_that_cannot_be_built_does_not_lose_a_search(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     monkeypatch.setattr("rockcli.study.cases.cases.PROBED", 50)

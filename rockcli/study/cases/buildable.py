@@ -17,7 +17,10 @@ from rockcli.study.study import Index
 Rebuild = Callable[[Index], Iterator[tuple[Index, Batch]]]
 
 ATTEMPTS = 64
-"""Batches that may break in a row, none that works between them, before what breaks is not taken apart any more."""
+"""Batches that may break in a row, none that works between them, before what breaks is not taken apart any more.
+
+Those that cannot be built are still, if their first or their last case can be: past a row of bad cases begin good ones.
+"""
 
 
 class Unsolved(str):
@@ -48,10 +51,18 @@ def build_isolated(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch 
         except Exception as error:  # a record that is gone, a number that cannot be: the case's, not the study's
             broken += 1
             rest = np.setdiff1d(some, np.concatenate(done)) if done else some
-            if len(rest) == 1 or broken > ATTEMPTS:
+            if len(rest) == 1 or (broken > ATTEMPTS and not any(_builds(build, end) for end in (rest[:1], rest[-1:]))):
                 yield rest, reason_of(error, "the case cannot be built")
             else:
                 pending.extend(np.array_split(rest, 2))
+
+
+def _builds(build: Rebuild, cases: Index) -> bool:
+    """Whether cases can be built."""
+    try:
+        return bool(list(build(cases)))
+    except Exception:  # what is wrong is told of the cases that it is looked for
+        return False
 
 
 def buildable(build: Rebuild, cases: Index) -> Iterator[tuple[Index, Batch]]:
