@@ -210,6 +210,12 @@ class TestForms:
             study_of({"case": "t.csv"}, tmp_path)
         assert re.findall(r"t\.csv:(\d+): case\.block\.b = -0\.5", str(caught.value)) == ["3", "11", "12"]
 
+    def test_what_no_symbol_can_be_is_told_with_its_line(self, tmp_path):
+        (tmp_path / "t.csv").write_text('name,let.k\na,1\nb,null\nc,null\nd,"[1, 2]"\n', encoding="utf-8")
+        words = r"t\.csv:3: let\.k: .* not nothing \(also in line 4\)[\s\S]*line 5: let\.k: .* not a list"
+        with pytest.raises(StudyError, match=words):
+            study_of({"case": "t.csv"}, tmp_path)
+
     def test_all_wrong_cells_are_told_at_once(self, tmp_path):
         text = "name,block.h,block.width,block.mu\na,21 cm,0.16,0.5\nb,19*cm,22cm,0.4\nc,0.3,0.1,0.5\n"
         (tmp_path / "t.csv").write_text(text, encoding="utf-8")

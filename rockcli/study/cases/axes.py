@@ -580,9 +580,7 @@ class _Reader:
         self.check_rows(table, paths, self.source.folder / name)
         where: list[Where] = [f"{self.source.folder / name}:{i}" for i in table.lines]
         settings = [
-            tuple(
-                (path, as_number(path, self.checked(path, value)), at) for path, value in zip(paths, row, strict=True)
-            )
+            tuple((path, as_number(path, value), at) for path, value in zip(paths, row, strict=True))
             for at, row in zip(where, table.rows, strict=True)
         ]
         return self.labelled(table.labels, settings, Places(tuple(where), line), name, given=given_by(table, settings))
@@ -599,7 +597,7 @@ class _Reader:
             except StudyError as error:
                 complaints.note(StudyError(error.message, file, line))
             for path, value in zip(paths, row, strict=True):
-                if isinstance(value, str) and varies_in_batch(path):
+                if path[0] == "let" or (isinstance(value, str) and varies_in_batch(path)):
                     try:
                         number_or_expression(value)
                     except ValueError as error:
