@@ -70,6 +70,16 @@ def test_friction_at_rest_is_that_of_the_ground():
     assert response.scalars["N_min_over_mg"][0] == 1.0
 
 
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "reference"])
+def test_normal_force_at_rest_is_least_where_a_vertical_pulse_is(accuracy):
+    """A Ricker pulse is least in its side lobes, -2 exp(-3/2) of its peak."""
+    ground, up = pulse("ricker", 0.1 * G, 5.0), pulse("ricker", 0.5 * G, 3.0)
+    motion = dataclasses.replace(ground, vertical=up.horizontal)
+    response = rock(block(2.0, 0.3), motion, accuracy=accuracy)
+    assert response.scalars["outcome"][0] == 0
+    assert response.scalars["N_min_over_mg"][0] == pytest.approx(1.0 - np.exp(-1.5), abs=1e-10)
+
+
 def test_friction_at_an_impact():
     """Impulses: horizontal m h w (1 - eta), vertical m b w (1 + eta); Housner's eta gives 3/4 tan(alpha) or so."""
     R, tan_alpha = 2.0, 0.2

@@ -6,6 +6,7 @@ import math
 
 from rockcli.kernels.jit import jit
 from rockcli.kernels.rigid import results as to
+from rockcli.kernels.rigid.roots import lowest_point
 from rockcli.kernels.rigid.series import bend, slope, third, value
 
 RATE, NORMAL, FRICTION = 0, 1, 2
@@ -105,13 +106,16 @@ def watch_rest(a, a_v, deg, g, x, out):
     """Friction |a_g|/(g + a_v) and normal force of a body at rest on [0, x]."""
     parts = 1 if max(deg.a, deg.v) <= 1 else 32
     width = x / parts
-    before = 0.0
+    before, before_v = 0.0, 0.0
     for j in range(parts + 1):
         y = width * j if j < parts else x
-        A, N = value(a, deg.a, y), g + value(a_v, deg.v, y)
+        A, N, rise_v = value(a, deg.a, y), g + value(a_v, deg.v, y), slope(a_v, deg.v, y)
+        if before_v < 0.0 < rise_v:
+            bottom = lowest_point(a_v, deg.v, y - width, y)
+            out[to.N_MIN] = min(out[to.N_MIN], 1.0 + value(a_v, deg.v, bottom) / g)
         out[to.N_MIN] = min(out[to.N_MIN], N / g)
         out[to.MU] = max(out[to.MU], abs(A) / N if N > 0.0 else math.inf)
-        rise = A * (slope(a, deg.a, y) * N - A * slope(a_v, deg.v, y))
+        rise = A * (slope(a, deg.a, y) * N - A * rise_v)
         if before > 0.0 > rise and N > 0.0:
             # from where a parabola turns, by Newton's method on the slope
             z = y - width * rise / (rise - before)
@@ -122,4 +126,4 @@ def watch_rest(a, a_v, deg, g, x, out):
                     step = (slope(a, deg.a, z) * N - A * slope(a_v, deg.v, z)) / bent
                     z = min(max(z - step, y - width), y)
             out[to.MU] = max(out[to.MU], abs(value(a, deg.a, z)) / (g + value(a_v, deg.v, z)))
-        before = rise
+        before, before_v = rise, rise_v
