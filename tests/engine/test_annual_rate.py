@@ -246,6 +246,34 @@ def test_a_body_that_is_not_well_known_is_not_drawn_anew(data):
     assert not any("of the 20 samples" in said for said in json.loads(mixed.attrs["ensemble"])["says"])
 
 
+def test_samples_without_a_curve_leave_a_verdict_on_their_body_open():
+    """Of amplitudes too low for most samples the weakest alone have curves, and their mean is far below that of all."""
+    wide = {"from": 0.5, "to": 30.0, "n": 60}
+    told = {}
+    for name, amplitudes in (("few", wide | {"to": 1.8, "n": 10}), ("all", wide)):
+        data = rockcli.run(
+            study(
+                vary={"motion.pulse.omega_p": SINES, "motion.pulse.a_p": amplitudes},
+                over={"axis": "motion.pulse.omega_p", "along": "a_p"},
+                uncertain={"block.tan_alpha": {"normal": [0.2, 0.05], "truncate": [0.05, 0.4]}},
+                samples=20,
+                age=4000,
+            )
+        )
+        (said,) = (one for one in json.loads(data.attrs["ensemble"])["says"] if "under one" in one and "mean of" in one)
+        survival = data["survival"].sel(limit_state="overturned", hazard="one").values
+        told[name] = said, survival[np.isfinite(survival)]
+    (few, known), (every, of_all) = told["few"], told["all"]
+    assert 0 < len(known) < len(of_all) == 20
+    assert known.mean() < 0.05 < of_all.mean()
+    assert "is consistent with one" in every
+    assert f"the {len(known)} of 20 samples that have a curve" in few
+    assert "is open: see fragility_status" in few
+    ends = [float(x) for x in re.search(r"with the others the mean is (\S+) to (\S+),", few).groups()]
+    assert ends == pytest.approx([known.sum() / 20, (known.sum() + 20 - len(known)) / 20], rel=5e-3)
+    assert ends[0] <= of_all.mean() <= ends[1]
+
+
 def test_a_dataset_runs_again_without_its_files(data):
     assert "hazard" in data.attrs["study"]
     import yaml

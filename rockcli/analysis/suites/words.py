@@ -532,8 +532,8 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
                 said += f" ({limits}68 % of it from {' to '.join(ends)}{unit_words(unit)})"
             yield said
             if over.age is not None and np.isfinite(rate[last]):
-                names = ("probability_in_age", "survival", "likelihood_ratio")
-                falls, survives, ratio = (float(contents.values(name)[last]) for name in names)
+                of_age = ("probability_in_age", "survival", "likelihood_ratio")
+                falls, survives, ratio = (float(contents.values(name)[last]) for name in of_age)
                 known = f"is consistent with {label}" if survives >= CONSISTENT else f"contradicts {label} at 5 %"
                 rates = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("high", "low"))
                 least, most = (float(np.exp(-end * over.age)) for end in rates)
@@ -573,13 +573,19 @@ def _of_any_sample(contents: Contents, study: Study, units: Units) -> Iterator[s
             of = survives[(*at, i)][known[(*at, i)]]
             if not len(of):
                 continue
-            mean = float(means[(*at, i)])
+            mean, part = float(means[(*at, i)]), len(of) / n
             which = f"the {n} samples" if len(of) == n else f"the {len(of)} of {n} samples that have a curve"
+            least, most = part * mean, part * mean + 1.0 - part  # whatever the survival of the others
+            body = "a body that is one of them and stood so long"
+            verdict = (
+                f"{body} is consistent with {label}" if least >= CONSISTENT else f"{body} contradicts {label} at 5 %"
+            )
+            if least < CONSISTENT <= most:
+                others = f"with the others the mean is {_near_one(least)} to {_near_one(most)}"
+                verdict = f"{others}, so whether {verdict} is open: see fragility_status"
             yield (
                 f"{where}{age:g} years under {label}: survives with {_near_one(mean)} on the mean of {which}, "
-                f"{_near_one(float(of.min()))} to {_near_one(float(of.max()))} by sample; a body that is one of them "
-                f"and stood so long {'is consistent with' if mean >= CONSISTENT else 'contradicts'} {label}"
-                + ("" if mean >= CONSISTENT else " at 5 %")
+                f"{_near_one(float(of.min()))} to {_near_one(float(of.max()))} by sample; {verdict}"
             )
 
 
