@@ -13,6 +13,9 @@ from rockcli.study.document.loader import check_depth
 
 Records = dict[str, Given | Motion]
 
+_ARRAY = "{'values': ARRAY, 'dt': 0.01, 'units': 'm/s2'}"
+"""A record from an array, as a study has it."""
+
 
 def taken_out(study: dict[str, Any]) -> tuple[dict[str, Any], Records]:
     """The study with names where records stood, and the records by these names.
@@ -34,6 +37,8 @@ def _taken(value: Any, found: Records, *, of_record: bool) -> Any:
         taken: dict[str, Any] = {}
         for key, item in value.items():
             inside = of_record or str(key).rsplit(".", 1)[-1] in ("record", "vertical")
+            if key in ("record", "vertical") and isinstance(item, np.ndarray) and item.dtype.kind == "f":
+                raise StudyError(f"`{key}` is an array without a time step and units: write {_ARRAY}")
             whole = _is_record(item) and key != "file" and not str(key).endswith(".file")
             taken[key] = {"file": _name(item, found)} if whole else _taken(item, found, of_record=inside)
         if not of_record or "values" not in value:

@@ -153,6 +153,7 @@ def test_a_motion_that_was_changed_is_another_study(tmp_path, change):
         ({"values": [1.0, float("nan")], "dt": DT, "units": "g"}, "finite"),
         ({"values": np.fft.ifft(np.fft.fft(VALUES)), "dt": DT, "units": "g"}, "are complex"),
         ({"values": np.ma.masked_greater(VALUES, 0.3), "dt": DT, "units": "g"}, "finite"),
+        (np.asarray(VALUES, dtype=float), "an array without a time step and units: write {.values.: ARRAY"),
     ],
 )
 def test_what_is_wrong_with_a_record_is_said(record, words):
