@@ -108,6 +108,27 @@ def test_medians_beyond_the_suite_are_told_as_extrapolated():
     assert "extrapolated" not in figures.figure("ranking", whole).get_label()
 
 
+def test_a_limit_far_beyond_the_suite_leaves_medians_their_room():
+    """Of five objects one had a limit of 287 g, and all medians stood in a hundredth of the axis."""
+    dataset = of_a_suite(**{"motion.pulse.a_p": [k * 0.1 * G for k in range(1, 7)]}, over={"along": "a_p"})
+    axes = figures.figure("ranking", dataset).axes[0]
+    assert (axes.get_xscale(), axes.get_xlim()[0]) == ("linear", 0.0)
+    dataset["fragility_median_ci_high"][0] = 287.0 * G
+    axes = figures.figure("ranking", dataset).axes[0]
+    marks = np.concatenate([line.get_xdata() for line in axes.lines if line.get_linestyle() == "None"])
+    places = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([marks, marks])))[:, 0]
+    known = places[np.isfinite(marks)]
+    assert axes.get_xlim()[1] > 287.0
+    assert known.min() > 0.01
+    assert np.ptp(known) > 0.05
+
+
+def test_bodies_and_alternatives_beyond_the_panels_are_ranked():
+    """Four bodies in two ways are eight: of more than six a figure of panels leaves some out."""
+    two = {"motion.pulse.shape": ["sine", "ricker"], "motion.pulse.a_p": [k * 0.1 * G for k in range(1, 7)]}
+    assert "ranking" in figures.default_kinds(of_a_suite(**two, over={"along": "a_p"}))
+
+
 def test_alternatives_that_are_alike_are_all_seen():
     """Twice, or three times, the same motion: no mark lies on another, and all are nearer to their row than to the next."""
     vary = study()["vary"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +37,7 @@ from rockcli.plotting.common.suite import (
 )
 from rockcli.plotting.kinds.curve import STRIP, quantity, without_value
 from rockcli.plotting.kinds.fragility import intensity_label, second_words
+from rockcli.plotting.kinds.map import scale_axes
 from rockcli.plotting.kinds.spectrum import found_label
 from rockcli.plotting.kinds.suite_curve import MEDIAN, SHARE
 from rockcli.scene.variables import PEAK, SLIDE
@@ -63,6 +64,9 @@ _NAMES, _LETTERS = 0.42, 21.0
 _APART, _ACROSS = 0.2, 0.6
 """Between the marks of neighbouring alternatives in a row, and at most between the first and the last [rows]."""
 
+_DECADES = 50.0
+"""Between the least and the most of medians and their limits, from which their axis is logarithmic."""
+
 _SEEN = 1e-3
 """Slide from which it has a panel [m]."""
 
@@ -82,6 +86,8 @@ class _Panel:
     label: str
     values: Array
     limits: tuple[Array, Array] | None = None
+    positive: bool = False
+    """Whether it has no values at and below zero."""
 
     @property
     def barred(self) -> bool:
@@ -91,7 +97,7 @@ class _Panel:
     def of(self, rows: NDArray[np.intp]) -> _Panel:
         """The same of some rows, in their order."""
         limits = None if self.limits is None else (self.limits[0][rows], self.limits[1][rows])
-        return _Panel(self.label, self.values[rows], limits)
+        return replace(self, values=self.values[rows], limits=limits)
 
 
 def along(dataset: xarray.Dataset) -> str | None:
@@ -116,8 +122,9 @@ def telling(dataset: xarray.Dataset, *, beside: bool = False) -> bool:
     of_members = suite_of(dataset) is not None and _suite(dataset) is None
     if axis is None or not _ranked(dataset) or of_members or reference_on_axes(dataset):
         return False
-    few = MOST_PANELS if beside else MOST_CURVES if _ranked(dataset) == PEAK else 2
-    return int(dataset.sizes[axis]) > few
+    if beside:  # figures with a panel for each body and alternative
+        return int(np.prod([dataset.sizes[name] for name in _left(dataset) if _named(dataset, name)])) > MOST_PANELS
+    return int(dataset.sizes[axis]) > (MOST_CURVES if _ranked(dataset) == PEAK else 2)
 
 
 def draw(dataset: xarray.Dataset) -> Figure:
@@ -200,7 +207,7 @@ def _read(dataset: xarray.Dataset, axis: str, shown: list[Shown]) -> tuple[list[
     if suite is not None and name == CAPACITY:
         divisor = shown_unit(dataset, CAPACITY)[0]
         limits = table(f"{CAPACITY}_ci_low", divisor), table(f"{CAPACITY}_ci_high", divisor)
-        panel = _Panel(f"median capacity, {intensity_label(dataset, suite)}", table(CAPACITY, divisor), limits)
+        panel = _Panel(f"median capacity, {intensity_label(dataset, suite)}", table(CAPACITY, divisor), limits, True)
         return [panel], _without_median(dataset, panel.values, table("fragility_status"))
     if suite is not None:
         share = _Panel("share that overturns", table(SHARE), (table(f"{SHARE}_low"), table(f"{SHARE}_high")))
@@ -266,6 +273,9 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: list[Shown]) -> None:
     finite = values[np.isfinite(values)]
     left, right = 1.05 * float(finite.min(initial=0.0)), 1.05 * float(finite.max(initial=0.0))
     axes.set_xlim(left, right if right > left else 1.0)
+    if panel.positive and finite.size and finite.max() > _DECADES * finite.min() > 0.0:  # an extrapolated limit
+        scale_axes(axes, x_log=True)
+        axes.set_xlim(float(finite.min()) / 1.2, 1.2 * float(finite.max()))
     axes.grid(axis="y", color=QUIET, linewidth=0.3, alpha=0.5)
     axes.tick_params(axis="y", length=0.0)
     axes.spines["left"].set_visible(False)
