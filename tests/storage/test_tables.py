@@ -122,6 +122,17 @@ def test_a_sorted_table_is_its_rows_by_a_column(made, name, head, descending, ro
         assert all(same(row[column], want[column]) for column in want), (row, want)
 
 
+def test_cases_that_are_masked_have_no_words(made):
+    contents, _ = made
+    dataset = to_xarray(contents)
+    masked = {name: dataset[name].where(dataset["size"] > 1.5) for name in ("outcome", "reason")}
+    table = rockcli.table(dataset.assign(masked))
+    out = table["size [m]"] < 1.5
+    assert out.sum() == 2 * 3 * 2
+    assert (table.loc[out, ["outcome", "reason"]] == "").all(axis=None)
+    assert (table.loc[~out, "outcome"] != "").all()
+
+
 @pytest.mark.parametrize("ending", ["csv", "xlsx", "parquet"])
 def test_every_format_is_sorted_by_a_column_that_it_need_not_have(made, tmp_path, ending):
     contents, path = made
