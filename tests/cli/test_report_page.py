@@ -94,6 +94,8 @@ def test_result_verdicts_reasons_study_and_provenance(written: tuple[Path, str])
         for sentence in set(file["reasons"][:]) - {""}:
             assert str(sentence) in words
         assert file.identity in words
+        rigid = list(file["model"][:]).index("rigid")
+        assert f"<= 0.01: {float(file['theta_peak_over_alpha'][rigid]):.9g}" in words
 
 
 def netcdf_open(path: Path):  # type: ignore[no-untyped-def]
