@@ -58,6 +58,8 @@ def unnameable(path: Path) -> str:
         str(path).encode()
     except UnicodeEncodeError:  # bytes that are no text here
         return "the name is not in UTF-8, which netCDF needs: choose another"
+    if "\\" in str(path) and os.sep != "\\":
+        return "the name has a backslash, which netCDF takes for a slash: choose another"
     return ""
 
 

@@ -107,6 +107,21 @@ def test_a_name_that_is_no_text_is_told_before_anything_is_solved(
     assert said.count("\n") == 3
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there it is a slash")
+def test_a_backslash_in_a_name_is_told_before_anything_is_solved(
+    rock: Rock, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rockcli.engine.run.run_study", None)
+    assert rock("run", file, "--out", "a\\b") == 2
+    (tmp_path / "a\\b").mkdir()
+    (tmp_path / "a\\b" / "x.nc").write_bytes(b"CDF")
+    for command in ("table", "plot"):
+        assert rock(command, "a\\b/x.nc") == 2
+    said = capsys.readouterr().err
+    assert said.count("x.nc: the name has a backslash, which netCDF takes for a slash: choose another\n") == 3
+    assert said.count("\n") == 3
+
+
 @pytest.mark.parametrize(
     ("what", "told"),
     [("folder", "is a folder; give the dataset in it"), ("empty.nc", "is empty"), ("none.nc", "no such file")],
