@@ -380,6 +380,25 @@ def test_the_middle_of_a_rate_is_told_to_its_digits():
     np.testing.assert_allclose(central(from_xarray(data), (1, 0)), expected, rtol=1e-3)
 
 
+@pytest.mark.parametrize(("last", "said"), [(6e-4, "; 84 % of it from"), (0.0999, "more than 84 % of it from beyond")])
+def test_where_a_rate_comes_from_beyond_its_hazard_curve_no_end_is_told(last, said):
+    """Motions beyond the last point count as if at it, but are no reason to say that they are not stronger."""
+    short = [{"label": "short", "intensity": ["0.02*g", "0.25*g"], "rate": [0.1, last]}]
+    data = rockcli.run(study(hazard=short))
+    median, beta = (float(data[f"fragility_{name}"].sel(limit_state="overturned")) for name in ("median", "beta"))
+    curve = Fragility(median, beta, float(data["fragility_begins_at"]))
+    x = np.geomspace(0.02 * G, 0.25 * G, 200001)
+    part = 0.5 * (curve(x[1:]) + curve(x[:-1])) * -np.diff(np.geomspace(0.1, last, len(x)))
+    beyond = float(curve(x[-1:])[0]) * last
+    share = part.sum() / (part.sum() + beyond)
+    low, high = central(from_xarray(data), (1, 0))
+    assert np.isinf(high)
+    assert np.isinf(low) == (share < 0.16)
+    if share > 0.16:
+        assert low == pytest.approx(np.interp(0.16, np.cumsum(part) / (part.sum() + beyond), x[1:]), rel=1e-3)
+    assert said in data.attrs["ensemble"]
+
+
 def test_no_body_falls_more_often_than_the_ground_moves():
     """The upper limit of a rate, of five motions that scatter, is hardly below that of all motions together."""
     flat = [{"label": "flat", "intensity": ["0.15*g", "2*g"], "rate": [2e-4, 1e-4]}]

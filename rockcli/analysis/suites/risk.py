@@ -151,14 +151,19 @@ def risk_rows(contents: Contents) -> Iterator[dict[str, Any]]:
 
 
 def central(contents: Contents, at: tuple[int, ...]) -> tuple[float, float]:
-    """Intensities between which the middle 68 % of a rate come from; `at` of (body, limit state, hazard curve)."""
+    """Intensities between which the middle 68 % of a rate come from; `at` of (body, limit state, hazard curve).
+
+    inf for an end that lies beyond the hazard curve, of whose motions no intensity is known.
+    """
     x, rate = (contents.values(f"hazard_{name}")[at[-1]] for name in ("intensity", "rate"))
     hazard = HazardCurve("", x[np.isfinite(x)], rate[np.isfinite(rate)])
     median, beta = (float(contents.values(f"fragility_{name}")[at[:-1]]) for name in ("median", "beta_total"))
     curve = Fragility(median, beta, float(contents.values("fragility_begins_at")[at[:-2]]))
     edges = np.geomspace(hazard.intensity[0], hazard.intensity[-1], _PARTS + 1)
-    parts = annual_rate(curve, hazard, edges).parts
-    low, high = np.exp(np.interp((0.16, 0.84), np.cumsum(np.append(0.0, parts)) / parts.sum(), np.log(edges)))
+    found = annual_rate(curve, hazard, edges)
+    below = np.cumsum(np.append(0.0, found.parts))
+    below[-1] = max(below[-1] - float(curve(hazard.intensity[-1:])[0] * hazard.rate[-1]), below[-2])
+    low, high = np.exp(np.interp((0.16, 0.84), below / found.total, np.log(edges), right=np.inf))
     return float(low), float(high)
 
 

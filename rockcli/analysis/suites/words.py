@@ -527,9 +527,8 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             said = f"{where}annual rate under {label}: {', '.join(told)}"
             if rate[last] > 0.0:
                 low, high = (float(contents.values(f"annual_rate_ci_{end}")[last]) for end in ("low", "high"))
-                ends = [f"{x / divisor:.3g}" for x in central(contents, last)]
                 limits = "" if np.isnan(low) else f"95 % {low:.3g} to {high:.3g}; "
-                said += f" ({limits}68 % of it from {' to '.join(ends)}{unit_words(unit)})"
+                said += f" ({limits}{_whence(*central(contents, last), divisor, unit)})"
             yield said
             if over.age is not None and np.isfinite(rate[last]):
                 of_age = ("probability_in_age", "survival", "likelihood_ratio")
@@ -553,6 +552,15 @@ def _of_risk(contents: Contents, over: Over, units: Units) -> Iterator[str]:
             f"and {counted(many - len(listed), 'more body')}, overturned less often or without a rate: "
             "rock table FILE.nc --of risk --select limit_state=overturned --sort -annual_rate"
         )
+
+
+def _whence(low: float, high: float, divisor: float, unit: str) -> str:
+    """From which intensities most of a rate comes, by the ends of its middle 68 % (`central`)."""
+    if np.isinf(low):
+        return "more than 84 % of it from beyond the hazard curve"
+    if np.isinf(high):
+        return f"84 % of it from {low / divisor:.3g}{unit_words(unit)} on"
+    return f"68 % of it from {low / divisor:.3g} to {high / divisor:.3g}{unit_words(unit)}"
 
 
 def _of_any_sample(contents: Contents, study: Study, units: Units) -> Iterator[str]:
