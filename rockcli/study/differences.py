@@ -11,7 +11,8 @@ from rockcli.study.document.loader import load_value
 _NUMBERS = ("case", "let", "vary", "save", "refine", "uncertain", "samples", "seed", "sampling")
 """Keys of a study that change its numbers."""
 
-_MOST = 6
+_MOST, _LONGEST = 6, 40
+"""Keys told, and characters of either value."""
 
 
 def differences(old: str, new: Mapping[str, Any], inputs: Mapping[str, str], now: Mapping[str, str]) -> str:
@@ -30,7 +31,7 @@ def differences(old: str, new: Mapping[str, Any], inputs: Mapping[str, str], now
     both = ({"seed": 0, **study} for study in (before, new))  # builds up to 0.2.0 left out a seed of 0
     first, second = (dict(_leaves({key: study.get(key) for key in _NUMBERS}, ())) for study in both)
     found = [
-        f"{name} ({_words(first.get(name))} -> {_words(second.get(name))})"
+        f"{name} ({' -> '.join(map(_words, _unlike(first.get(name), second.get(name))))})"
         for name in dict.fromkeys([*first, *second])
         if not _same(first.get(name), second.get(name))
     ]
@@ -54,6 +55,17 @@ def _same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
+def _unlike(one: Any, other: Any) -> tuple[Any, Any]:
+    """The two; of long lists of words those that the other does not have, which their beginnings would not show."""
+    if not (isinstance(one, list) and isinstance(other, list)) or max(len(str(one)), len(str(other))) <= _LONGEST:
+        return one, other
+    if not all(isinstance(item, str) for item in [*one, *other]):
+        return one, other
+    before, now = set(one), set(other)
+    only = [item for item in one if item not in now], [item for item in other if item not in before]
+    return only if any(only) else (one, other)
+
+
 def _words(value: Any) -> str:
-    text = "nothing" if value is None else str(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+    text = "nothing" if value in (None, []) else str(value)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -32,6 +32,18 @@ def test_changed_keys_are_named_and_what_to_type(rock, tmp_path, capsys):
     assert "vary.block.width (nothing -> [0.4, 0.6])" in capsys.readouterr().err
 
 
+def test_of_long_lists_of_words_what_changed_is_named(rock, tmp_path, capsys):
+    path, saved = tmp_path / "mine.yaml", "outcome, theta_peak, theta_peak_over_alpha, n_impacts"
+    path.write_text(STUDY + f"save: {{scalars: [{saved}]}}\n")
+    assert rock("run", path, "-q") == 0
+    path.write_text(STUDY + f"save: {{scalars: [{saved.replace('n_impacts', 't_peak')}]}}\n")
+    assert rock("run", path, "-q") == 2
+    assert "save.scalars (['n_impacts'] -> ['t_peak'])" in capsys.readouterr().err
+    path.write_text(STUDY + f"save: {{scalars: [{saved}, t_peak]}}\n")
+    assert rock("run", path, "-q") == 2
+    assert "save.scalars (nothing -> ['t_peak'])" in capsys.readouterr().err
+
+
 def test_a_changed_file_is_named(rock, tmp_path, capsys):
     record = tmp_path / "motion.csv"
     record.write_text("# units: m/s2\n" + "".join(f"{0.02 * i:.2f},{(-1) ** i}\n" for i in range(20)))
