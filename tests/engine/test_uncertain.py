@@ -347,7 +347,8 @@ def test_numbers_of_the_damping_may_be_uncertain(scheme, key, low, high):
     ("more", "words"),
     [
         ({"uncertain": {"block.RR": {"normal": [2, 1]}}}, "'block.RR' is not a path"),
-        ({"uncertain": {"solver.rtol": {"uniform": [1e-8, 1e-6]}}}, "cannot be uncertain"),
+        ({"uncertain": {"solver.rtol": {"uniform": [1e-8, 1e-6]}}}, "cannot be uncertain; only a number"),
+        ({"uncertain": {"block.pixel": {"uniform": [0.9, 1.1]}}}, "cannot be uncertain; write a symbol of `let` there"),
         ({"uncertain": {"block.R": {"normal": [2, 0.1], "uniform": [1, 2]}}}, "has normal and uniform; exactly one"),
         ({"uncertain": {"block.R": {}}}, "has no distribution"),
         ({"uncertain": {"block.R": {"normal": [2, -0.1]}}}, "needs sd > 0"),

@@ -288,7 +288,7 @@ def solid(
         (left, right), (low, high) = (np.take_along_axis(contacts[:, :, k], order, axis=1).T for k in (0, 1))
         rise = high - low
         if not (contacts[:, :, 1] < z[:, None]).all():
-            raise OutlineError("has its centre of mass below its contacts")
+            raise OutlineError("has its centre of mass below its contacts (in a photograph z runs down: z_down: true)")
     if (right - left <= LEVEL * size).any():
         raise OutlineError("rests on one point: two lowest points at the same height are needed")
     b = np.stack([x - left, right - x], axis=1)

@@ -104,7 +104,10 @@ def _path(source: Source, study: Map, text: str) -> Path:
         raise source.placed(where, f"uncertain: {error.message}") from None
     if not varies_in_batch(path):
         what = "a number of the block, motion, initial state, damping, column or base, `g`, or a symbol of `let`"
-        raise source.placed(where, f"uncertain: {text!r} cannot be uncertain; only {what} can: vary it instead")
+        can = f"only {what} can: vary it instead"
+        if path[1:2] == ("block",) and path[2:3] in (("pixel",), ("outline",), ("contacts",), ("parts",)):
+            can = "write a symbol of `let` there, and let.NAME here"
+        raise source.placed(where, f"uncertain: {text!r} cannot be uncertain; {can}")
     return path
 
 
