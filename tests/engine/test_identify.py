@@ -172,6 +172,10 @@ def test_the_command_with_amplitudes(tmp_path: Path) -> None:
     told = CliRunner().invoke(app, ["identify", str(file), "--alpha", str(ALPHA_0)])
     assert told.exit_code == 0, told.output
     assert f"eta          {ETA_0:.6g}" in told.stdout
+    told = CliRunner().invoke(app, ["identify", str(file), "--alpha", str(1.1 * ALPHA_0), "--fit", "alpha"])
+    (line,) = (line for line in told.stdout.splitlines() if line.strip().startswith("alpha"))
+    assert f"{ALPHA_0:.6g}" in line
+    assert line.endswith(" rad")
 
 
 def test_what_the_data_do_not_determine_has_no_interval(tmp_path: Path) -> None:

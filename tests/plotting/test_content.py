@@ -694,3 +694,21 @@ def test_the_bodies_of_a_mixed_list_are_all_drawn_and_the_page_has_them_beside_t
     assert figures.default_kinds(data)[:2] == ("body", "barriers")
     data["barrier"][:] = 0.1
     assert figures.default_kinds(data)[0] == "barriers"
+
+
+def test_barriers_are_those_of_a_box(tmp_path: Path) -> None:
+    """A box tips over an edge when its centre of mass, 0.5 m high, has risen to its distance from the edge."""
+    trimesh = pytest.importorskip("trimesh", reason="meshes are read by trimesh: pip install -e '.[meshes]'")
+    trimesh.creation.box((0.4, 0.6, 1.0)).export(tmp_path / "box.stl")
+    block = {"mesh": str(tmp_path / "box.stl"), "density": 2700, "direction": 0.0}
+    dataset = rockcli.run({"name": "box", "case": {"block": block, "initial": {"theta": 0.01}}})
+    _, around = figures.figure("barriers", dataset).axes
+    curve, mark = around.lines
+    along_x, along_y = (1e3 * (np.hypot(half, 0.5) - 0.5) for half in (0.2, 0.3))
+    angle, height = (np.asarray(values) for values in curve.get_data())
+    assert np.interp([0.0, 0.5 * np.pi], angle[:-1], height[:-1]) == pytest.approx([along_x, along_y], rel=1e-3)
+    (angle,), (height,) = mark.get_data()
+    assert np.cos(angle) ** 2 == pytest.approx(1.0)
+    assert height == pytest.approx(along_x, rel=1e-3)
+    (words,) = (text.get_text() for text in around.texts)
+    assert words == f"{np.degrees(angle) % 360.0:.4g}\N{DEGREE SIGN}: {along_x:.3g} mm"
