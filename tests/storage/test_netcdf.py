@@ -153,6 +153,7 @@ def test_what_was_written_ahead_is_no_more_than_that(tmp_path: Path, monkeypatch
         with netcdf.Writer(tmp_path / "x.nc") as file:
             file.begin({name: contents().fields[name] for name in last})
             file.write_known(4)
+            assert "theta_peak_over_alpha" in file._rests
             file.finish(wanted)
         assert netcdf.is_intact(tmp_path / "x.nc")
         xarray.testing.assert_identical(to_xarray(wanted), open_dataset(tmp_path / "x.nc"))
