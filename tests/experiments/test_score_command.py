@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 from dataclasses import replace
 from pathlib import Path
@@ -178,6 +179,9 @@ def test_a_table_alone_in_the_terminal_and_as_page_and_figure(rock, experiments,
     page = Path("scores.html").read_text()
     assert "logistic: pga, pgv, squares" in page
     assert "data:image/png" in page
+    cells = re.findall(r"(\d\.\d{3}) \[(\d\.\d{3}), (\d\.\d{3})\]", said.out)
+    assert len(cells) > 20
+    assert all(f"{value} ({low} to {high})" in page for value, low, high in cells)
     assert rock("score", "runs.csv", *options, "--no-baselines", "--out", "reliability.svg") == 0
     drawn = Path("reliability.svg").read_text()
     assert drawn.startswith("<?xml")

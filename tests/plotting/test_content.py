@@ -702,7 +702,9 @@ def test_barriers_are_those_of_a_box(tmp_path: Path) -> None:
     trimesh.creation.box((0.4, 0.6, 1.0)).export(tmp_path / "box.stl")
     block = {"mesh": str(tmp_path / "box.stl"), "density": 2700, "direction": 0.0}
     dataset = rockcli.run({"name": "box", "case": {"block": block, "initial": {"theta": 0.01}}})
-    _, around = figures.figure("barriers", dataset).axes
+    body, around = figures.figure("barriers", dataset).axes
+    corners = [line.get_xydata()[0] for line in body.lines if line.get_marker() == "^"]
+    np.testing.assert_allclose(sorted(map(tuple, corners)), [(-0.2, 0.0), (0.2, 0.0)], atol=1e-6)
     curve, mark = around.lines
     along_x, along_y = (1e3 * (np.hypot(half, 0.5) - 0.5) for half in (0.2, 0.3))
     angle, height = (np.asarray(values) for values in curve.get_data())
