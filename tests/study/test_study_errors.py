@@ -219,9 +219,12 @@ def test_a_character_that_is_no_text_is_named_with_its_line(tmp_path):
     assert caught.value.line == 6
 
 
-@pytest.mark.parametrize("source", [[], ["study.yaml"], 5, None, 0.5])
-def test_a_study_is_a_file_or_a_mapping(source):
-    with pytest.raises(StudyError, match="a study is a file or a mapping"):
+@pytest.mark.parametrize(
+    ("source", "kind"),
+    [([], "list"), (["study.yaml"], "list"), (5, "int"), (None, "nothing"), (0.5, "float")],
+)
+def test_a_study_is_a_file_or_a_mapping(source, kind):
+    with pytest.raises(StudyError, match=rf"a study is a file or a mapping, not .*\b{kind}$"):
         open_study(source)
 
 
