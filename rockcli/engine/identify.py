@@ -188,7 +188,7 @@ def identify_amplitudes(measured: Measured, alpha: float, *, free: Sequence[str]
     step = 1e-6 * start
     low = np.array([0.0, 1e-6 * a[0], 1.0001 * a.max()])[: len(names)]
     high = np.array([1.0, alpha, 1.5])[: len(names)]
-    fit = least_squares_fit(residuals, start, step, (low, high), final=True)
+    fit = least_squares_fit(residuals, start, step, (low, high), size=float(a.max()), final=True)
     left = residuals(fit.values[None])[0]
     missed = float(np.sqrt(np.mean(left**2) / np.mean(a**2)))
     return Identified(names, fit, len(a), a + left, _notes(names, fit, missed))
@@ -298,7 +298,7 @@ def identify_history(
             at, fits = partial(residuals, n), []
             for beside in (BESIDE, *beyond) if shaken else (np.empty(0),):
                 start = _best_beside(at, x, free.index(ETA), beside, (low, high)) if shaken else np.clip(x, low, high)
-                fit = least_squares_fit(at, start, step, (low, high), final=share == stages[-1])
+                fit = least_squares_fit(at, start, step, (low, high), size=size, final=share == stages[-1])
                 fits.append((fit, at(fit.values[None])[0]))
                 if not _correlation(fits[-1][1], theta[:n]):
                     break

@@ -29,7 +29,13 @@ class Fit:
 
 
 def least_squares_fit(
-    residuals: Callable[[Array], Array], start: Array, step: Array, bounds: tuple[Array, Array], *, final: bool
+    residuals: Callable[[Array], Array],
+    start: Array,
+    step: Array,
+    bounds: tuple[Array, Array],
+    *,
+    size: float,
+    final: bool,
 ) -> Fit:
     """Smallest sum of squares of the residuals over x (k,), from `start`, by trust regions.
 
@@ -39,6 +45,7 @@ def least_squares_fit(
         residuals: of several x at once, (m, k) -> (m, n), finite within the bounds.
         start, step: first guess and steps of the finite differences, (k,) each.
         bounds: lowest and highest values, (k,) each.
+        size: of what was measured, > 0: the search looks at residuals over it, so that small ones do not end it.
         final: search to the end and work out the intervals; else only nearly.
     """
     from scipy import optimize, stats
@@ -54,15 +61,15 @@ def least_squares_fit(
         return np.asarray(((moved[:k] - moved[k:]) / np.diag(ahead - behind)[:, None]).T)
 
     found = optimize.least_squares(
-        at,
+        lambda x: at(x) / size,
         start,
-        jac=jacobian,
+        jac=lambda x: jacobian(x) / size,
         bounds=bounds,
         x_scale=np.maximum(np.abs(start), step),
         xtol=1e-8,
         ftol=1e-9 if final else 1e-4,
     )
-    x, r = np.asarray(found.x, dtype=float), np.asarray(found.fun, dtype=float)
+    x, r = np.asarray(found.x, dtype=float), size * np.asarray(found.fun, dtype=float)
     n = len(r)
     unknown = np.full(k, np.nan)
     if not final or n <= k:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import flights, symmetric
+from scipy.optimize import curve_fit
 from typer.testing import CliRunner
 
 from rockcli.cli.main import app
@@ -155,6 +156,17 @@ def test_amplitudes_alone() -> None:
     assert found.fit.values[0] == pytest.approx(ETA_0, abs=1e-9)
     found = identify_amplitudes(Measured(amplitudes(8), None), 1.2 * ALPHA_0, free=[ALPHA])
     assert found.fit.values[[0, 2]] == pytest.approx([ETA_0, ALPHA_0], rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-4, 1e-6])
+def test_the_fit_of_small_amplitudes_is_the_least_sum_of_squares_too(size: float) -> None:
+    """Small ones fall by eta² a swing, as U is proportional to theta: the curve that scipy fits to shares of the first."""
+    swings = np.arange(12.0)
+    shares = np.abs(ETA_0 ** (2.0 * swings) + 0.01 * np.random.default_rng(1).normal(size=12))
+    (eta, _), _ = curve_fit(lambda k, eta, first: first * eta ** (2.0 * k), swings, shares, p0=[0.95, 1.0])
+    found = identify_amplitudes(Measured(size * ALPHA_0 * shares, None), ALPHA_0, free=[ETA]).fit
+    assert found.values[0] == pytest.approx(eta, abs=1e-4)
+    assert found.converged
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
