@@ -160,7 +160,7 @@ def _check_spectrum(path: Path | None) -> None:
     if path is None:
         return
     if format_of(path) not in FORMATS:
-        raise RecordError(f"--spectrum ends in {path.suffix!r}; expected .{', .'.join(FORMATS)}", path)
+        raise RecordError(f"--spectrum ends in {path.suffix!r}; expected one of .{', .'.join(FORMATS)}", path)
     check_file(path)
 
 

@@ -162,7 +162,7 @@ def test_spectra_are_drawn(tmp_path: Path, suffix: str) -> None:
     first = out.read_bytes()
     run("info", ONE, TWO, "--spectrum", out)
     assert first == out.read_bytes()
-    with pytest.raises(RecordError, match=r"expected \.png, \.pdf or \.svg"):
+    with pytest.raises(RecordError, match=r"expected one of \.png, \.pdf, \.svg"):
         run("info", ONE, "--spectrum", tmp_path / "spectra.txt")
     with pytest.raises(RecordError, match="expected a period"):
         run("info", ONE, "--sa", "0")
