@@ -103,8 +103,8 @@ def main() -> None:
         make(folder / "all", RECORDS)
         for path in sorted((folder / "all").iterdir())[:FEWER]:
             (folder / "some" / path.name).symlink_to(path)
-        rows = [f"{k},all/r{k:04d}.AT2,{0.5 + k / RECORDS:.3f}" for k in range(RECORDS)]
-        (folder / "rows.csv").write_text("\n".join(["name,motion.record.file,motion.record.scale", *rows]) + "\n")
+        lines = [f"{k},all/r{k:04d}.AT2,{0.5 + k / RECORDS:.3f}" for k in range(RECORDS)]
+        (folder / "rows.csv").write_text("\n".join(["name,motion.record.file,motion.record.scale", *lines]) + "\n")
         for title, axes in STUDIES.items():
             files = sorted((folder / ("some" if "490" in title else "all")).iterdir())
             floor = min(reading(files) for _ in range(options.rounds))
