@@ -40,7 +40,7 @@ ROUGH = 10.0
 """Friction above which it is doubted; 10 is written for a body that is not to slip."""
 
 NAMED = 3
-"""Motions too weak to uplift that are named one by one."""
+"""Motions too weak to uplift, or too strong to be meant, that are named one by one."""
 
 STILL = "nothing moves: there is no motion and no initial state"
 
@@ -92,16 +92,21 @@ def _leaves(value: Any, keys: Keys) -> Iterator[tuple[Keys, Any]]:
         yield keys, value
 
 
-def plausibility_warnings(numbers: Numbers, batch: Batch, meant: frozenset[Keys] = frozenset()) -> list[str]:
-    """Sentences about the cases of a batch; `meant`: keys whose numbers are not doubted."""
+def plausibility_warnings(
+    numbers: Numbers, batch: Batch, strong: Strong, meant: frozenset[Keys] = frozenset()
+) -> list[str]:
+    """Sentences about the cases of a batch; `meant`: keys whose numbers are not doubted.
+
+    What is too strong goes to `strong`, which tells of all batches.
+    """
     if batch.excitation.suite is not None:
-        said = [sentence for one in _suspects(batch) for sentence in plausibility_warnings(numbers, one, meant)]
+        said = [sentence for one in _suspects(batch) for sentence in plausibility_warnings(numbers, one, strong, meant)]
         rest = replace(batch, excitation=replace(batch.excitation, suite=None))
-        return [*said, *plausibility_warnings(numbers, rest, meant)]
+        return [*said, *plausibility_warnings(numbers, rest, strong, meant)]
     horizontal, vertical = batch.excitation.horizontal, batch.excitation.vertical
     with np.errstate(all="ignore"):
-        said = [_too_strong(numbers, batch, MOTION, horizontal, meant)]
-        said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, meant))
+        said = [_too_strong(numbers, batch, MOTION, horizontal, strong, meant)]
+        said.append(_too_strong(numbers, batch, (*MOTION, "vertical"), vertical, strong, meant))
         said += [_in_degrees(numbers, keys, turns) for keys, turns in _ANGLES.items()]
         said.append(_in_percent(numbers, ("case", "column", "zeta")))
         said += [_in_percent(numbers, (*THROUGH, j, "zeta")) for j in range(len(numbers.said(THROUGH) or ()))]
@@ -171,7 +176,9 @@ def _suspects(batch: Batch) -> Iterator[Batch]:
             yield batch.rows(rows).under(record)
 
 
-def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None, meant: frozenset[Keys]) -> str:
+def _too_strong(
+    numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | None, strong: Strong, meant: frozenset[Keys]
+) -> str:
     if channel is None:
         return ""
     kind = "record" if isinstance(channel, Samples) else "pulse"
@@ -186,9 +193,8 @@ def _too_strong(numbers: Numbers, batch: Batch, keys: Keys, channel: Channel | N
             f"the vertical {_name(channel)} takes the factor of the horizontal record, which makes its PGA more than "
             f"{STRONG:g} g: say its own scale or pga if that is not meant"
         )
-    which = "" if keys == MOTION else "vertical "
-    units = "a_p and pga are in m/s², pgv in m/s"
-    return f"the {which}PGA of {_name(channel)} is {largest:.4g} g: are its units right ({units})?"
+    strong.note("PGA" if keys == MOTION else "vertical PGA", _name(channel), largest)
+    return ""
 
 
 def _pga(channel: Channel) -> Array:
@@ -230,6 +236,33 @@ def _range(values: Array) -> tuple[float, float]:
 
 def _ends(*values: float) -> tuple[float, float]:
     return min(values), max(values)
+
+
+@dataclass(eq=False)
+class Strong:
+    """The motions of a study so strong that their units are doubted."""
+
+    _pga: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def note(self, what: str, name: str, largest: float) -> None:
+        """Take note of the largest PGA of a motion [g]; `what`: `PGA` or `vertical PGA`."""
+        known = self._pga.setdefault(what, {})
+        known[name] = max(largest, known.get(name, 0.0))
+
+    def sentences(self) -> list[str]:
+        """One about each motion; of many one sentence."""
+        said = []
+        for what, found in self._pga.items():
+            of = [f"{name} is {pga:.4g} g" for name, pga in found.items()]
+            if len(found) > NAMED:
+                most = max(found, key=lambda name: found[name])
+                low, high = _range(np.array(list(found.values())))
+                of = [f"{len(found)} motions is {_words(low, high)} g (such as {most})"]
+            said += [f"the {what} of {one}: are its units right ({_UNITS})?" for one in of]
+        return said
+
+
+_UNITS = "a_p and pga are in m/s², pgv in m/s"
 
 
 @dataclass(eq=False)

@@ -215,6 +215,19 @@ class TestDoubts:
             f"{high / 0.15:.3g} g tan alpha (such as q0.txt)"
         )
 
+    @pytest.mark.parametrize("together", [True, False])
+    def test_many_that_are_too_strong_are_one_sentence(self, tmp_path, together):
+        """A PGA without its g made a line for every record, 3000 for 3000."""
+        for i in range(5):
+            (tmp_path / f"q{i}.txt").write_text(f"0 0\n0.01 {40 + i}.0\n0.02 0\n")
+        record = {"file": str(tmp_path / "q0.txt"), "units": "m/s2"}
+        axes = {"motion.record.file": str(tmp_path / "q*.txt")}
+        if not together:
+            axes["case"] = {"flat": {"motion.vertical": {"pulse": {**SINE, "a_p": 0.1}}}}
+        (said,) = warnings_of({"motion": {"record": record}}, vary=axes)
+        asks = "are its units right (a_p and pga are in m/s², pgv in m/s)?"
+        assert said == f"the PGA of 5 motions is {40 / 9.81:.3g} to {44 / 9.81:.3g} g (such as q4.txt): {asks}"
+
     def test_the_linearized_block_uplifts_at_alpha(self):
         case = {"block": {"R": 2, "tan_alpha": 1.0}, "motion": {"pulse": {**SINE, "a_p": "0.9*g"}}}
         assert "too weak" in warnings_of(case)[0]

@@ -17,7 +17,15 @@ from rockcli.study.building.numbers import Numbers
 from rockcli.study.building.scaling import Scaling, scaling_key
 from rockcli.study.document.tree import Keys, Map, value_at
 from rockcli.study.falling_ground import FallingGround
-from rockcli.study.plausibility import STILL, Uplift, doubt_density, doubt_friction, doubt_size, plausibility_warnings
+from rockcli.study.plausibility import (
+    STILL,
+    Strong,
+    Uplift,
+    doubt_density,
+    doubt_friction,
+    doubt_size,
+    plausibility_warnings,
+)
 
 Array = NDArray[np.float64]
 
@@ -67,6 +75,7 @@ class Found:
     meant: frozenset[Keys] = frozenset()
     implausible: dict[str, None] = field(default_factory=dict)
     doubts: dict[str, str] = field(default_factory=dict)
+    strong: Strong = field(default_factory=Strong)
     uplift: Uplift = field(default_factory=Uplift)
     falling: FallingGround = field(default_factory=FallingGround)
 
@@ -83,7 +92,7 @@ class Found:
         self.rolling |= bool(batch.block.rolls.any())
         pushed = batch.slide_rate_0 is not None and batch.slide_rate_0.any()
         self.still &= not (batch.theta_0.any() or batch.theta_dot_0.any() or pushed)
-        self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.meant))
+        self.implausible |= dict.fromkeys(plausibility_warnings(numbers, batch, self.strong, self.meant))
         doubt_size(numbers, batch)
         doubt_friction(numbers, batch)
         doubt_density(numbers)
@@ -147,7 +156,7 @@ class Found:
         no_column = "column" in self.said and not self._reads_column
         unread = [NO_GEOMETRY] * for_nothing + [NO_COLUMN] * no_column
         doubts = [f"{said} (at {first})" if first else said for said, first in self.doubts.items()]
-        said = [*self.uplift.sentences(), *self.falling.sentences(size)]
+        said = [*self.uplift.sentences(), *self.falling.sentences(size), *self.strong.sentences()]
         return [STILL] * nothing_moves + unread + said + list(self.implausible) + doubts
 
     @property
