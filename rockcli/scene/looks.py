@@ -14,7 +14,7 @@ WIDTHS: dict[str, float] = {"single": 90.0, "double": 180.0}
 NARROWEST, WIDEST = 60.0, 500.0
 """Widths that figures can have [mm]."""
 
-WIDTHS_IN_WORDS = f"{' or '.join(WIDTHS)}, or {NARROWEST:g} to {WIDEST:g} mm"
+WIDTHS_IN_WORDS = f"{' or '.join(WIDTHS)}, or a number from {NARROWEST:g} to {WIDEST:g} [mm]"
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Look:
 
 
 def width_of(said: str | float | None) -> float | None:
-    """A width [mm] of `single`, `double` or a number; `StudyError` if it is none."""
+    """A width [mm] of `single`, `double` or a number, which may say `mm`; `StudyError` if it is none."""
     if said is None or said in WIDTHS:
         return None if said is None else WIDTHS[str(said)]
     try:
-        width = float(said)
+        width = float(str(said).removesuffix("mm"))
     except ValueError:
         width = float("nan")
     if not NARROWEST <= width <= WIDEST:

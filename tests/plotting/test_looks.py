@@ -68,9 +68,10 @@ def test_a_figure_is_as_wide_as_it_is_wanted(
 
 def test_widths_that_figures_cannot_have() -> None:
     for said in ("wide", 12.0, "5000", float("nan")):
-        with pytest.raises(StudyError, match="single or double, or 60 to 500 mm"):
+        with pytest.raises(StudyError, match=r"single or double, or a number from 60 to 500 \[mm\]"):
             width_of(said)
     assert width_of(None) is None
+    assert width_of("90mm") == width_of("90 mm") == width_of("90") == 90.0
 
 
 def test_without_a_title_its_words_are_in_the_file(sizes: xarray.Dataset, tmp_path: Path) -> None:
@@ -228,8 +229,14 @@ def test_a_study_says_how_its_plots_are_wanted(tmp_path: Path) -> None:
     ("plots", "words"),
     [
         ("[{kind: histogram}]", "plots[0].kind is 'histogram'"),
-        ("[{kind: map, width: 2}]", "plots[0].width: expected single or double, or 60 to 500 mm, not 2"),
-        ("[{kind: map, width: wide}]", "plots[0].width: expected single or double, or 60 to 500 mm, not 'wide'"),
+        (
+            "[{kind: map, width: 2}]",
+            "plots[0].width: expected single or double, or a number from 60 to 500 [mm], not 2",
+        ),
+        (
+            "[{kind: map, width: wide}]",
+            "plots[0].width: expected single or double, or a number from 60 to 500 [mm], not 'wide'",
+        ),
         ("[{kind: map, labels: {z: depth}}]", "plots[0].labels.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
         ("[{kind: map, limits: {z: [0, 1]}}]", "plots[0].limits.z: unknown key 'z'; known: x, y, and y1, y2, ..."),
         ("[{kind: map, limits: {x: [1]}}]", "plots[0].limits.x: two numbers, [low, high], are expected"),
