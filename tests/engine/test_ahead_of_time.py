@@ -274,9 +274,11 @@ def loaded_by_both(*given):
 
 ahead.engine_of = loaded_by_both
 shaking = np.tile([1.0, -1.0], 10_000_000)
-threads = [threading.Thread(target=lambda: print(peak(shaking, 0.01))) for _ in range(2)]
+found = []
+threads = [threading.Thread(target=lambda: found.append(peak(shaking, 0.01))) for _ in range(2)]
 [thread.start() for thread in threads]
 [thread.join() for thread in threads]
+print(*found)
 """
 
 

@@ -248,3 +248,34 @@ def test_rows_of_two_components_or_with_vertical_motion_stay_apart(folder: Path)
     plan["case"]["motion"]["vertical"] = {"file": str(folder / "a.AT2"), "scale": 0.1}
     what = open_study(plan)
     assert len(list(what.suites(np.arange(what.size)))) == 8
+
+
+def test_a_later_table_decides_on_the_record_where_rows_repeat_records(folder: Path) -> None:
+    """The first and the last row said what the later table said, and the one between them kept its own record."""
+    kernels.load(compile_them=True)
+    (folder / "first.csv").write_text(
+        "name,file,polarity\n" + "".join(f"{i},{folder}/{n}.AT2,1\n" for i, n in enumerate("aba"))
+    )
+    later = {"same": {"motion.record.file": str(folder / "a.AT2"), "block.R": 1.5}, "own": {"block.top": "2.5*h"}}
+    plan = study(folder)
+    plan["case"]["motion"]["record"]["scale"] = 4.0
+    plan["vary"] = {"motion.record": str(folder / "first.csv"), "case": later}
+    one, other = (solved(open_study(plan), together=together) for together in (False, True))
+    np.testing.assert_array_equal(one["theta_peak"], other["theta_peak"])
+    assert len(set(one["theta_peak"][::2].tolist())) == 1
+    assert len(set(one["theta_peak"][1::2].tolist())) == 2
+
+
+def test_rows_without_a_record_stand_beside_rows_with_one(folder: Path) -> None:
+    rows = {
+        f"r{i}": {"motion.record.file": str(folder / f"{name}.AT2"), "block.R": 1 + i} for i, name in enumerate("abc")
+    }
+    still = {f"s{i}": {"motion": None, "initial.theta": 0.05, "block.R": 1 + i} for i in range(2)}
+    plan = study(folder)
+    plan["vary"] = {"case": rows | still}
+    what = open_study(plan)
+    assert sorted(batch.size for _, batch in what.suites(np.arange(what.size))) == [2, 3]
+    base = {f"s{i}": {"block.R": 1 + i} for i in range(2)}  # the record of the base case
+    plan["case"]["motion"]["record"]["file"] = str(folder / "d.AT2")
+    plan["vary"] = {"case": rows | base}
+    assert sorted(batch.size for _, batch in open_study(plan).suites(np.arange(5))) == [2, 3]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -107,23 +107,30 @@ class Cases:
         for part, combination, points in self._by_structure(indices, axis):
             there, which = np.unique(points[axis], return_inverse=True)
             keys: Keys = ("case", "motion", "record", "angle" if directions else "file")
-            said = [variation.motion_of(point) for point in there.tolist()]
-            alone = len(there) == 1 or not alike_but_for_records(self.checked(combination)[1], directions=directions)
-            if alone or not self._decides(axis, combination, keys, {int(there[i]): said[i][0] for i in (0, -1)}):
+            said = [found for found in map(variation.motion_of, there.tolist()) if found is not None]
+            motions: dict[Any, Where] = {}
+            first: dict[Any, int] = {}
+            for point, (motion, where) in zip(there.tolist(), said, strict=False):
+                motions.setdefault(motion, where)
+                first.setdefault(motion, point)
+            together = len(motions) > 1 and len(said) == len(there)  # else one motion, or points that say none
+            together = together and alike_but_for_records(self.checked(combination)[1], directions=directions)
+            if not together or not self._decides(axis, combination, keys, first):
                 yield from ((*group, None) for group in self.groups(part))
                 continue
-            motions: dict[Any, Where] = {}
-            for motion, where in said:
-                motions.setdefault(motion, where)
             number = {motion: i for i, motion in enumerate(motions)}
             of_point = np.array([number[motion] for motion, _ in said])
             yield part, combination, points, Motions(keys, tuple(motions.items()), of_point[which])
 
-    def _decides(self, axis: int, combination: tuple[int, ...], keys: Keys, said: dict[int, Any]) -> bool:
-        """Whether what points of a structural axis say at some keys is left there beside the other axes."""
+    def _decides(self, axis: int, combination: tuple[int, ...], keys: Keys, points: dict[Any, int]) -> bool:
+        """Whether what points of a structural axis say at some keys, each another value, stays beside the other axes.
+
+        Two of them tell: what another axis puts there is the same for both.
+        """
         at = self.structural.index(axis)
-        trees = {point: self.checked((*combination[:at], point, *combination[at + 1 :]))[0] for point in said}
-        return all(value_at(trees[point], keys) == value for point, value in said.items())
+        some = islice(points.items(), 2)
+        trees = ((self.checked((*combination[:at], point, *combination[at + 1 :]))[0], value) for value, point in some)
+        return all(value_at(tree, keys) == value for tree, value in trees)
 
     @property
     def _of_records(self) -> int | None:

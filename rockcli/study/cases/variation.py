@@ -68,11 +68,11 @@ class Variation:
         alike = self.first_but_for_record
         return np.zeros_like(points) if alike is None else alike[points]
 
-    def motion_of(self, point: int) -> tuple[Any, Where]:
-        """The name of the record that a point says, or its direction, and where it stands."""
+    def motion_of(self, point: int) -> tuple[Any, Where] | None:
+        """The name of the record that a point says, or its direction, and where it stands; None where it says none."""
         turned = self.axis.path == OF_DIRECTIONS
         said = numbers_of(self.settings[point])
-        return next((value, where) for path, value, where in said if turned or is_record(path, value))
+        return next(((value, where) for path, value, where in said if turned or is_record(path, value)), None)
 
     @property
     def size(self) -> int:
